@@ -1,7 +1,7 @@
 #!/bin/sh
-# Measures the table of samples/manual/recipes/samples.md: expected.sh [PROGRAM], by default build/clustermcml.
-# Runs every sample with its own number of photons and seed 1 and rewrites the table in place. Beside the
-# program's numbers stand those of tests/reference, which were made without it.
+# Measures the table of samples/manual/recipes/samples.md: expected.sh [PROGRAM], by default build/clustermcml. Every
+# sample runs with its own number of photons and seed 1, and the table is rewritten in place. Beside the program's
+# numbers stand those of tests/reference, which come from other programs.
 # SPDX-License-Identifier: MIT
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -12,8 +12,8 @@ reference=$root/tests/reference
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Rd and Tt with their errors as the sum of a profile. Columns: bin, r, Rd_r, error, Tt_r, error; without error
-# columns the error is at most that of 1e7 packets of weight 1.
+# Prints Rd and Tt with their errors as the sum of a profile. Columns: bin, r, Rd_r, error, Tt_r, error. Without columns
+# of errors, the error is at most that of 1e7 packets of weight 1.
 sum_profile() { # FILE HAS_ERRORS
     awk -F, -v errors="$2" '
         /^[0-9]/ {
@@ -28,7 +28,7 @@ sum_profile() { # FILE HAS_ERRORS
         }' "$reference/profiles/$1"
 }
 
-# The same from adding-doubling, whose R holds the specular part.
+# Prints Rd and Tt from adding-doubling, whose R includes the specular part.
 adding_doubling() { # UR1 UT1 Rsp
     awk -v R="$1" -v T="$2" -v S="$3" 'BEGIN { printf "%.5f ± 0.00000 | %.5f ± 0.00000\n", R - S, T }'
 }

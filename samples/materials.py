@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Makes what renderers need of twelve materials: materials.py [DIR] [ERROR] [profiles] [repository]
+"""Makes the files of twelve materials for renderers: materials.py [DIR] [ERROR] [profiles] [repository]
 
-Leaves NAME.json, NAME.csv and NAME.rgb.bsdf of each in DIR, by default the current directory, and a page materials.md with a picture
-materials.svg. ERROR is the noise of profiles, by default 0.02. With the word profiles no .bsdf is made, which takes most of the time.
-With the word repository the page and the picture of the manual (samples/manual/recipes/materials.md) are written in place of those in DIR.
-The channels r g b are 610, 540 and 460 nm where a source has spectra. Every row names its source. Needs the Python package (or
-PYTHONPATH=src/python and CLUSTERMCML=build/clustermcml in a checkout), scipy and matplotlib.
+Leaves NAME.json, NAME.csv and NAME.rgb.bsdf of each material in DIR, by default the current directory, and a page materials.md with a picture
+materials.svg. ERROR is the noise of profiles, by default 0.02. With the word profiles no .bsdf is made, which takes most of the time. With the word
+repository, the page and the picture of the manual (samples/manual/recipes/materials.md) are written instead of those in DIR. The channels r, g, b
+are 610, 540 and 460 nm if a source has spectra. Every row names its source. Needs the Python package (or PYTHONPATH=src/python and
+CLUSTERMCML=build/clustermcml in a checkout), scipy and matplotlib.
+
 SPDX-License-Identifier: MIT
 """
 import os
@@ -22,8 +23,8 @@ from matplotlib.figure import Figure  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 NM = np.array([610.0, 540.0, 460.0])
-THICK = 1e8  # cm: a half space
-EPIDERMIS = 0.006  # cm
+THICK = 1e8  # thickness of a half space [cm]
+EPIDERMIS = 0.006  # thickness [cm]
 JENSEN = "Jensen, Marschner, Levoy, Hanrahan, A Practical Model for Subsurface Light Transport, SIGGRAPH 2001: reduced scattering, so g is 0 here"
 NARASIMHAN = "Narasimhan, Gupta, Donner, Ramamoorthi, Nayar, Jensen, Acquiring Scattering Properties of Participating Media by Dilution, SIGGRAPH 2006: reduced, as pbrt lists it"
 JACQUES = "Jacques, Skin Optics, Oregon Medical Laser Center News, January 1998 (formulas); hemoglobin: Prahl (`samples/hemoglobin.csv`)"
@@ -33,19 +34,19 @@ PAINT = "an illustration and no measurement: a white coat of 0.005 cm on a grey 
 
 @dataclass
 class Material:
-    """layers: tuples n, mua, mus, g, d from above, in cm and 1/cm; mua and mus may be three numbers, of r g b."""
+    """A material. layers: tuples n, mua, mus, g, d from above, in cm and 1/cm; mua and mus may be three numbers, for r, g, b."""
 
     name: str
     source: str
     layers: list
-    more: dict = field(default_factory=dict)  # of the Scene
+    more: dict = field(default_factory=dict)  # further arguments of the Scene
 
     def scene(self):
         layers = [mc.Layer(n=n, mua=float(np.ravel(mua)[0]), mus=float(np.ravel(mus)[0]), g=g, d=d) for n, mua, mus, g, d in self.layers]
         return mc.Scene(layers, photons=200_000, n_below=layers[-1].n, **self.more)
 
     def channels(self):
-        """What is set in each channel. What is the same in all stays as the scene has it."""
+        """Returns the columns of the channels. Numbers that are equal in all channels stay in the scene."""
         columns = {"channel": ["r", "g", "b"]}
         for i, (_, mua, mus, _, _) in enumerate(self.layers, 1):
             columns.update({f"layer{i}.{name}": list(map(float, values)) for name, values in (("mua", mua), ("mus", mus)) if np.size(values) == 3})
@@ -53,12 +54,12 @@ class Material:
 
 
 def half_space(name, source, n, reduced, mua, g=0.0):
-    """reduced, mua: by r g b, in 1/mm, as papers on rendering have them."""
+    """Returns an infinitely deep material. reduced: reduced scattering; mua: absorption; both for r, g, b in 1/mm, as in papers on rendering."""
     return Material(name, source, [(n, 10 * np.array(mua), 10 * np.array(reduced) / (1 - g), g, THICK)])
 
 
 def skin(name, melanosomes):
-    """Epidermis with a share of melanosomes over dermis with 0.2 % of blood, three quarters of it oxygenated."""
+    """Returns skin: an epidermis with a share of melanosomes, over a dermis with 0.2 % of blood, three quarters of it oxygenated."""
     table = np.genfromtxt(os.path.join(HERE, "hemoglobin.csv"), delimiter=",", comments="#", skip_header=5)
     oxygenated, other = (np.interp(NM, table[:, 0], table[:, k]) for k in (1, 2))
     blood = 2.303 * 150 / 64500 * (0.75 * oxygenated + 0.25 * other)
@@ -106,13 +107,13 @@ clustermcml profile skin1.mci -o skin1 --light diffuse --photons 2e4 --target-er
 
 
 def encoded(Rd):
-    """A colour for a picture: linear shares as sRGB has them."""
+    """Returns linear shares as sRGB values for a picture."""
     Rd = np.clip(Rd, 0, 1)
     return np.where(Rd <= 0.0031308, 12.92 * Rd, 1.055 * Rd ** (1 / 2.4) - 0.055)
 
 
 def draw(made, path):
-    """A patch of each material's colour in diffuse light, and light per distance in its channels."""
+    """Draws a patch of each material's colour in diffuse light, and light per distance in its channels."""
     figure = Figure(figsize=(11, 8.6), layout="constrained")
     panels = figure.subplots(4, 3).flat
     for axes, (material, profile) in zip(panels, made):
@@ -150,7 +151,7 @@ def properties(material):
 
 
 def page(made, picture):
-    """The text of materials.md."""
+    """Returns the text of materials.md."""
     lines = ["# Twelve materials", "", "`samples/materials.py` makes the files of twelve materials that renderers read, and this page.", "",
              f"![Light per distance, and colours in diffuse light]({picture})", "",
              "Patches are Rd of the three channels, as sRGB, in diffuse light.",

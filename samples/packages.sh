@@ -1,7 +1,8 @@
 #!/bin/sh
-# The one list of what clustermcml needs on Debian 12; Debian 13 and Ubuntu 24.04 have the same names. packages.sh installs what is missing
-# to build, run and plot; `packages.sh test` also what the tests need; `packages.sh names` prints the names of both, and
-# installs nothing. Asks for sudo only when something is missing.
+# Installs the Debian packages that clustermcml needs, from the one list of them; Debian 12, Debian 13 and Ubuntu 24.04
+# have the same names. `packages.sh` installs missing packages to build, run and plot; `packages.sh test` also those of
+# the tests; `packages.sh names` prints the names of both, and installs nothing. Asks for sudo only if something is
+# missing.
 # SPDX-License-Identifier: MIT
 set -eu
 packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin python3-h5py python3-matplotlib python3-scipy python3-xarray
@@ -10,7 +11,7 @@ if test "${1:-}" = test || test "${1:-}" = names; then
     packages="$packages libcmocka-dev librandom123-dev clang lld clang-format libomp-dev libclang-rt-dev python3 libxml2-utils file iproute2"
     packages="$packages python3-h5netcdf python3-netcdf4 python3-vtk9 mypy octave dpkg-dev lintian man-db"
     packages="$packages mkdocs-material mkdocstrings mkdocstrings-python-handlers" # the manual
-    # a Slurm of one node, which its test starts; Debian starts none without a configuration
+    # A Slurm of one node, which its test starts. Debian starts none without a configuration.
     packages="$packages munge slurmctld slurmd slurm-client slurm-wlm-basic-plugins"
 fi
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Renders red paint whose face is glossy, satin or matt: paint_brdf.py [DIR] [PHOTONS]
 
-Flies the paint of paint_gloss.mci with three pigments for red, green and blue light, at three alphas of its `rough` line, by default 1e5
-photons at each angle, and leaves glossy.rgb.bsdf, satin.rgb.bsdf and matt.rgb.bsdf in DIR, by default the current directory. With Mitsuba 3
-(pip install mitsuba) it renders a ball of each beside a lambertian one, paint_brdf.png; without it draws the lobes, paint_brdf.svg.
-Needs the Python package (or PYTHONPATH=src/python and CLUSTERMCML=build/clustermcml in a checkout).
+Simulates the paint of paint_gloss.mci with three pigments for red, green and blue light, at three alphas of its `rough` line, by default with 1e5
+photons at each angle. Leaves glossy.rgb.bsdf, satin.rgb.bsdf and matt.rgb.bsdf in DIR, by default the current directory. With Mitsuba 3 (pip
+install mitsuba) it renders a ball of each paint beside a lambertian one, paint_brdf.png; without it, it draws the lobes, paint_brdf.svg. Needs the
+Python package (or PYTHONPATH=src/python and CLUSTERMCML=build/clustermcml in a checkout).
+
 SPDX-License-Identifier: MIT
 """
 import importlib.util
@@ -18,17 +19,17 @@ import numpy as np
 PIGMENT = {"channel": ["r", "g", "b"], "layer1.mua": [3.0, 150.0, 300.0]}  # 1/cm
 ALPHAS = {"glossy": 0.05, "satin": 0.2, "matt": 0.5}
 ANGLES = [0, 20, 40, 60, 75, 85]
-SIZE, RAYS = 170, 192  # of a ball: pixels along a side, rays for each
+SIZE, RAYS = 170, 192  # pixels along a side of a ball's picture, and rays for each pixel
 
 
 def paint(alpha):
-    """The layer of paint_gloss.mci on a primer of the same binder."""
+    """Returns the scene: the layer of paint_gloss.mci on a primer of the same binder."""
     layer = mc.Layer(n=1.5, mua=2, mus=1500, g=0.6, d=0.02, top_rough=mc.Rough("beckmann", alpha))
     return mc.Scene([layer], n_below=1.5)
 
 
 def make(folder, photons):
-    """The materials by name, and their files."""
+    """Simulates all paints and writes their files. Returns the materials by name."""
     made = {}
     for name, alpha in ALPHAS.items():
         made[name] = mc.brdf(paint(alpha), ANGLES, photons, target_error=None, channels=PIGMENT)
@@ -40,7 +41,7 @@ def make(folder, photons):
 
 
 def ball(bsdf):
-    """A ball under an even sky and a round lamp, as an array of colours."""
+    """Renders a ball under an even sky and a round lamp. Returns an array of colours."""
     import mitsuba as mi
     turn = mi.ScalarTransform4f()
     lamp = turn.look_at(origin=[-6, 6, 7], target=[0, 0, 0], up=[0, 1, 0]) @ turn.scale(1.2)
@@ -55,7 +56,7 @@ def ball(bsdf):
 
 
 def on_white(colours):
-    """sRGB of linear colours; pixels beside the ball are white."""
+    """Returns linear colours as sRGB. Pixels beside the ball are white."""
     y, x = (np.mgrid[:SIZE, :SIZE] + 0.5) / SIZE * 2 - 1
     colours = np.where((x**2 + y**2 < 0.915)[..., None], colours, 1.0)
     c = np.clip(colours, 0, 1)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# From a bare Debian 12 to the first picture: installs what is missing, builds into build/, flies skin in grazing light,
-# draws how bright it is. May be run again. Takes no arguments.
+# Leads from a bare Debian 12 to the first picture: installs missing packages, builds into build/, simulates skin in
+# grazing light, and draws its brightness. May be run again. Takes no arguments.
 # SPDX-License-Identifier: MIT
 set -eu
 case ${1:-} in -*) sed -n '2,/^# SPDX/{/^# SPDX/!s/^# \{0,1\}//p;}' "$0"; exit 0 ;; esac

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Draws what the samples with rough faces show: rough_pictures.py [DIR] [PHOTONS]
+"""Draws pictures of the samples with rough faces: rough_pictures.py [DIR] [PHOTONS]
 
-Flies ground_glass.mci, paint_gloss.mci and frosted_bead.mci, by default 1e6 photons a curve, and leaves a picture of each in DIR, by default
-the current directory. Bands are one standard error. Needs the Python package (or PYTHONPATH=src/python and CLUSTERMCML=build/clustermcml
-in a checkout) and matplotlib.
+Simulates ground_glass.mci, paint_gloss.mci and frosted_bead.mci, by default with 1e6 photons a curve, and leaves a picture of each in DIR, by
+default the current directory. Bands are one standard error. Needs the Python package (or PYTHONPATH=src/python and CLUSTERMCML=build/clustermcml in
+a checkout) and matplotlib.
+
 SPDX-License-Identifier: MIT
 """
 import os
@@ -27,7 +28,7 @@ def fly(sample, photons, **options):
 
 
 def curve(axes, x, value, error, colour, label):
-    """A line with a band of one standard error."""
+    """Draws a line with a band of one standard error."""
     axes.fill_between(x, np.maximum(value - error, 1e-9), value + error, color=colour, alpha=0.3, linewidth=0)
     axes.plot(x, value, color=colour, linewidth=1.2, label=label)
 
@@ -38,7 +39,7 @@ def figure(panels=1):
 
 
 def label(axes, least, most, words):
-    """Log scale of the weight per sr, with plain numbers."""
+    """Sets a log scale of the weight per sr, with plain numbers."""
     ticks = 10.0 ** np.arange(np.ceil(np.log10(least)), np.floor(np.log10(most)) + 1)
     axes.set(yscale="log", ylim=(least, most), xlabel=words, ylabel="weight per sr")
     axes.set_yticks(ticks, ["%g" % tick for tick in ticks])
@@ -53,7 +54,7 @@ def save(made, folder, name):
 
 
 def ground_glass(folder, photons):
-    """Transmitted light by angle; haze is the share of it that leaves more than 2.5 degrees off the beam."""
+    """Draws transmitted light by angle. Haze is the share of this light that leaves more than 2.5 degrees off the beam."""
     made, (axes,) = figure()
     for colour, alpha in zip(COLOURS, (0.05, 0.1, 0.2, 0.4)):
         result = fly("ground_glass.mci", photons, set={"boundary1.alpha": alpha})
@@ -67,7 +68,7 @@ def ground_glass(folder, photons):
 
 
 def in_plane(values, errors):
-    """Values within 10 degrees of the plane of incidence, from behind the beam (negative angles) to ahead of it."""
+    """Returns values within 10 degrees of the plane of incidence, from behind the beam (negative angles) to ahead of it."""
     half = values.sizes["phi"] // 2
     sides = [(values[:, [half - 1, half]], errors[:, [half - 1, half]]), (values[:, [0, -1]], errors[:, [0, -1]])]
     (behind, behind_se), (ahead, ahead_se) = [(v.mean("phi").values, np.sqrt((e**2).sum("phi")).values / 2) for v, e in sides]
@@ -75,7 +76,7 @@ def in_plane(values, errors):
 
 
 def paint_gloss(folder, photons):
-    """Left the gloss lobe, right the light from inside the paint, in the plane of incidence."""
+    """Draws the gloss lobe (left) and the light from inside the paint (right), in the plane of incidence."""
     made, axes = figure(2)
     for colour, alpha, name in zip(COLOURS, (0.05, 0.2, 0.5), ("glossy, alpha 0.05", "satin, 0.2", "matt, 0.5")):
         result = fly("paint_gloss.mci", photons, set={"boundary0.alpha": alpha})
@@ -91,7 +92,7 @@ def paint_gloss(folder, photons):
 
 
 def frosted_bead(folder, photons):
-    """Light by its angle to the beam: Tt_dir up to 90 degrees, Rd_dir beyond."""
+    """Draws light by its angle to the beam: Tt_dir up to 90 degrees, Rd_dir beyond."""
     made, (axes,) = figure()
     for colour, alpha in zip(COLOURS, (0, 0.1, 0.4)):
         result = fly("frosted_bead.mci", photons, set={"body1.alpha": alpha})

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""A profile of skin with its three fits: skin_profile.py [DIR] [ERROR]
+"""Makes a profile of skin with its three fits: skin_profile.py [DIR] [ERROR]
 
-Flies light skin of samples/materials.py at 610 nm, and leaves skin_profile.json, skin_profile.csv and a picture skin_profile.svg in DIR, by
-default the current directory. ERROR is the noise of the profile, by default 0.01. Needs what materials.py needs.
+Simulates light skin of samples/materials.py at 610 nm, and leaves skin_profile.json, skin_profile.csv and a picture skin_profile.svg in DIR, by
+default the current directory. ERROR is the noise of the profile, by default 0.01. The script needs the same packages as materials.py.
+
 SPDX-License-Identifier: MIT
 """
 import os

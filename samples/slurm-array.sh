@@ -1,11 +1,12 @@
 #!/bin/bash
-# One run, or one sweep, as a job array: every task flies its part of the photons (--part) into DIR, with checkpoints, and is requeued
-# until it is done. Then the parts become one: the same bytes as those of one run.
+# Runs one run, or one sweep, as a job array. Every task simulates its part of the photons (--part) into DIR, with
+# checkpoints, and is requeued until it is done. A second call joins the parts, with the same bytes as those of one run.
 #     sbatch --array=1-8 samples/slurm-array.sh DIR scene.mci --sweep table.csv [options of clustermcml]
 #     sh samples/slurm-array.sh DIR                   in a job of its own, in the same folder, when all tasks are done
-# A part that is missing, or not finished, is named, and nothing written (exit code 2): its task is flown again, as by
+# If a part is missing or not finished, the call names it and writes nothing (exit code 2). Its task must then run
+# again:
 #     sbatch --array=3 --export=ALL,PARTS=8 samples/slurm-array.sh DIR scene.mci ...
-# DIR/merged.json gets an object a run or row, with totals and their errors. CLUSTERMCML names the program.
+# DIR/merged.json gets an object for each run or row, with totals and their errors. CLUSTERMCML names the program.
 #SBATCH --job-name=clustermcml
 #SBATCH --array=1-8
 #SBATCH --ntasks=1
@@ -25,7 +26,7 @@ fail() {
     exit 2
 }
 
-# No scene: the parts become one. Parts of other runs, and those that are there twice, are refused.
+# Without a scene, the parts are joined. Parts of other runs, and parts that exist twice, are refused.
 if test $# -eq 0; then
     set -- "$directory"/*.part[0-9]*of*[0-9]
     test -e "$1" || fail "$directory: no parts (expected the files NAME.partKofN of the tasks)"
@@ -50,7 +51,7 @@ while kill -0 $step 2>/dev/null; do # a trapped signal ends wait, not the step
     code=$?
 done
 
-# As in slurm.sh: requeued is what says that --resume continues, or has left a new checkpoint.
+# The task is requeued, as in slurm.sh, if --resume would continue, or if it has left a new checkpoint.
 if test $code -eq 75 || test $code -ge 128; then
     sleep 1 # tee may be behind
     if grep -q ' to fly; --resume continues' "$said" ||

@@ -1,7 +1,7 @@
 #!/bin/bash
-# A run on a cluster with Slurm, without job arrays: it checkpoints, stops when its time is over or it is preempted,
-# and is requeued until it is done, while every attempt writes a checkpoint.  sbatch samples/slurm.sh scene.mci [options of clustermcml]
-# CLUSTERMCML names the program.
+# Runs a scene on a cluster with Slurm, without job arrays:  sbatch samples/slurm.sh scene.mci [options of clustermcml]
+# The run writes checkpoints, stops when its time is over or it is preempted, and is requeued until it is done, as long
+# as every attempt writes a checkpoint. CLUSTERMCML names the program.
 #SBATCH --job-name=clustermcml
 #SBATCH --nodes=2
 #SBATCH --ntasks-per-node=2
@@ -9,17 +9,18 @@
 #SBATCH --time=04:00:00
 #SBATCH --requeue
 #SBATCH --open-mode=append
-# Two minutes before the time is over, to the ranks themselves: they write a checkpoint and return 75. Without it they do so
-# at SIGTERM, which comes when the time is over; Slurm then waits KillWait (30 s).
+# The signal goes to the ranks themselves, two minutes before the time is over. They write a checkpoint and return 75.
+# Without the signal they do so at SIGTERM, which comes when the time is over; Slurm then waits KillWait (30 s).
 #SBATCH --signal=USR2@120
 # SPDX-License-Identifier: MIT
 set -u
 program=${CLUSTERMCML:-clustermcml}
-# No OMP_PLACES: where Slurm does not confine tasks to their cores, all ranks of a node would bind to its first ones.
+# OMP_PLACES stays unset: if Slurm does not confine tasks to their cores, all ranks of a node would bind to its first
+# ones.
 export OMP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-1}
 
-# --resume begins anew where there is no checkpoint, so the first attempt needs no other command. Let the shell wait:
-# a preempted batch script gets SIGTERM, which the ranks get too.
+# --resume begins anew without a checkpoint, so that the first attempt needs no other command. The shell only waits: a
+# preempted batch script gets SIGTERM, which the ranks get too.
 trap : TERM USR2
 said=$(mktemp 2>/dev/null || TMPDIR=. mktemp)
 touch "$said.begun"
@@ -34,9 +35,10 @@ while kill -0 $step 2>/dev/null; do # a trapped signal ends wait, not the step
     code=$?
 done
 
-# 75: stopped, and its last line says that --resume continues; where it was stopped before it flew, as it would be for ever,
-# it does not. A launcher may return something else when it was itself told to stop, and a preempted job may be killed before
-# it says anything: a checkpoint that is newer than this attempt says the same.
+# Exit code 75 means that the run was stopped, and its last line says that --resume continues. A run that was stopped
+# before it began does not say so, because requeuing would repeat this for ever. A launcher may return another code if
+# it was itself told to stop, and a preempted job may be killed before it says anything. A checkpoint that is newer than
+# this attempt then counts instead.
 directory=. output= before=
 for word; do # the values of -o and --output among the arguments
     case $before in -o | --output-dir) directory=$word ;; --output) output=$word ;; esac

@@ -1,11 +1,13 @@
 #!/bin/sh
-# Builds a wheel that needs nothing but python3 where it is installed: the program and every library that it is linked with, OpenCL's
-# loader too, which looks for devices when it is asked for them. Without MPI, whose library must be the cluster's own.
+# Builds a wheel that needs nothing except python3 where it is installed. The wheel holds the program and every library
+# that it is linked with, also OpenCL's loader, which searches for devices when it is asked for them. MPI is left out,
+# because its library must be the cluster's own.
 #
-#     sh samples/wheel.sh [FOLDER]     the wheel lies in FOLDER afterwards; none: build/wheel
+#     sh samples/wheel.sh [FOLDER]     the wheel is left in FOLDER, by default build/wheel
 #
-# Its tag (manylinux_2_35 on Debian 12) is the oldest glibc on which it runs, as auditwheel finds it out from the symbols: who needs an older
-# one builds on an older system. Needs what samples/packages.sh installs, python3-venv, and a package registry.
+# The wheel's tag (manylinux_2_35 on Debian 12) names the oldest glibc on which it runs, as auditwheel finds from its
+# symbols. For an older glibc, build on an older system. Needs the packages of samples/packages.sh, python3-venv, and a
+# package registry.
 # SPDX-License-Identifier: MIT
 set -eu
 case ${1:-} in -*) sed -n '2,/^# SPDX/{/^# SPDX/!s/^#  *//p;}' "$0"; exit 0 ;; esac

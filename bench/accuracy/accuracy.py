@@ -1,14 +1,19 @@
 #!/usr/bin/env python3
-"""Charts what accuracy each way to represent a boundary buys for its time:
-    accuracy.py [--quick] [--only SCENE,...] [--program PATH] [--out DIR]
-by default of build/clustermcml into bench/out. Leaves accuracy.csv, accuracy.txt and, with matplotlib, accuracy/SCENE.svg. --only flies
-these scenes and no others.
-    accuracy.py --draw CSV DIRECTORY
-draws a result again, a page for each scene. bench/accuracy/README.md says how to read them.
+"""Charts the accuracy that each way to represent a boundary gives for its time:
 
-Every method flies the same photon streams (seed, run, index) as the reference, cones in double precision: the
-differences are paired, and what is left of their noise is estimated from independent streams, 16 as a rule. Time is processor
-time of the flight, so that other programs on the machine count little.
+    accuracy.py [--quick] [--only SCENE,...] [--program PATH] [--out DIR]
+
+By default the program is build/clustermcml and DIR is bench/out. Leaves accuracy.csv, accuracy.txt and, with matplotlib, accuracy/SCENE.svg. --only
+selects scenes.
+
+    accuracy.py --draw CSV DIRECTORY
+
+draws a result again, a page for each scene. bench/accuracy/README.md explains the charts.
+
+Every method flies the same photon streams (seed, run, index) as the reference, cones in double precision. Differences are therefore paired, and the
+rest of their noise is estimated from independent streams, usually 16. Time is processor time of the flight, so that other programs on the machine
+count little.
+
 SPDX-License-Identifier: MIT
 """
 import concurrent.futures
@@ -31,12 +36,12 @@ import tables
 sys.path.insert(0, os.path.join(cases.ROOT, "tests", "lib"))
 import cml  # noqa: E402
 
-TRIAL = 100  # packets per run that show how fast the reference is
-MORE = 24  # times the packets, where noise hides a bias
-GROUPS = 10  # of radial bins, for the profile's bias
+TRIAL = 100  # packets per run of a trial that measures the speed of the reference
+MORE = 24  # factor of packets if noise hides a bias
+GROUPS = 10  # groups of radial bins, for the bias of the profile
 CORES = 2
 TOTALS = ("Rd", "A", "Tt")
-LEAST = 1e-2  # totals below this share of the light are left out of the worst relative bias
+LEAST = 1e-2  # share of the light below which totals are left out of the worst relative bias
 
 
 class Flight:
@@ -51,7 +56,7 @@ class Flight:
 
 
 def fly(program, scene, method, photons):
-    """A Flight, or None with a note where the program has no such engine."""
+    """Runs a method on a scene. Returns a Flight, or None with a note if the program has no such engine."""
     with tempfile.TemporaryDirectory() as out:
         command = [program, scene.path_of(method), "--json", "--threads", "1", "--photons", str(photons), "-o", out,
                    "--ignore-absorption", "--checkpoint", "off"] + method.options
@@ -61,7 +66,7 @@ def fly(program, scene, method, photons):
 
 
 def profile(path):
-    """Weight in GROUPS groups of radial bins, reflected, then transmitted."""
+    """Returns the weight in GROUPS groups of radial bins, first reflected, then transmitted."""
     sections = cml.read_sections(path)
     groups = []
     for key in ("Rd_r", "Tt_r"):
@@ -76,7 +81,7 @@ def mean_and_error(values):
 
 
 def biases(flight, reference):
-    """Relative bias of every total and its standard error, from paired differences; packets that resolve 1e-4."""
+    """Returns the relative bias of every total and its standard error, from paired differences, and the packets that resolve 1e-4."""
     row, packets = {}, flight.sum("photons")
     worst = (0.0, 0.0, "")
     for key in TOTALS:
@@ -91,7 +96,7 @@ def biases(flight, reference):
 
 
 def profile_bias(flight, reference):
-    """Relative L2 distance of the profiles, the noise's share taken out, and the distance that noise alone makes."""
+    """Returns the relative L2 distance of the profiles without the share of noise, and the distance that noise alone makes."""
     square = noise = 0.0
     for ours, theirs in zip(zip(*flight.profiles), zip(*reference.profiles)):
         bias, error = mean_and_error([a - b for a, b in zip(ours, theirs)])
@@ -102,10 +107,10 @@ def profile_bias(flight, reference):
 
 
 def speed(flight, row, reference):
-    """ns per step, and how long it takes to an error of 1 % and to the knee, of the total that is biased most."""
+    """Returns ns per step, and the times to an error of 1 % and to the knee, for the total with the largest bias."""
     seconds, packets = flight.sum("cpu_s"), flight.sum("photons")
     key = row["worst"] or "A"
-    truth = statistics.fmean(record[key] for record in reference.records)  # a plane may give 0, without any noise
+    truth = statistics.fmean(record[key] for record in reference.records)  # a plane may give 0 without any noise
     variance = statistics.fmean((record[key + "_se"] / truth) ** 2 * record["photons"] for record in flight.records)
     rate = packets / seconds
     left = 1e-4 - row["bias"] ** 2
@@ -134,13 +139,13 @@ def row_of(scene, method, flight, reference):
 
 
 def photons_for(program, scene, budget):
-    """Packets per run with which all runs of the reference take about `budget` processor seconds."""
+    """Returns the packets per run with which all runs of the reference take about `budget` processor seconds."""
     trial = fly(program, scene, scene.methods[0], TRIAL)
     return max(TRIAL, int(TRIAL * budget / trial.sum("cpu_s")))
 
 
 def rows_of(program, scene, methods, photons, pool):
-    """Rows of the methods that the program has, all against the first."""
+    """Returns the rows of all methods that the program has, each compared with the first."""
     begun = [pool.submit(fly, program, scene, method, photons) for method in methods]
     flights = [(method, future.result()) for method, future in zip(methods, begun)]
     for method, flight in flights:
@@ -150,8 +155,7 @@ def rows_of(program, scene, methods, photons, pool):
 
 
 def measure(program, scene, budget, pool):
-    """Rows of one scene, the reference first. Automatic choices whose bias the noise hides are flown again, once, with
-    more packets."""
+    """Returns the rows of one scene, the reference first. Automatic choices whose bias is hidden by noise are run again, once, with more packets."""
     photons = photons_for(program, scene, budget)
     rows = rows_of(program, scene, scene.methods, photons, pool)
     hidden = [row["method"] for row in accuracy_table.automatic(rows) if not accuracy_table.is_kept(row)]
@@ -163,7 +167,7 @@ def measure(program, scene, budget, pool):
 
 
 def draw(csv, folder):
-    """A page for each scene."""
+    """Draws a page for each scene."""
     os.makedirs(folder, exist_ok=True)
     for scene, found, times in accuracy_table.pages(tables.read_csv(csv)[1]):
         accuracy_chart.draw(scene, found, times, os.path.join(folder, scene + ".svg"))

@@ -1,6 +1,7 @@
-"""A page of one scene from a result of accuracy.py: bias against time per step, total error against time, failures against time per
-step, and a key of what the scene has. To be read at 18 cm of width. Every method has its own marker, too. All scenes have the same
-axes but for the time per step. What lies below an axis is drawn on it.
+"""Draws a page of one scene from a result of accuracy.py, to be read at a width of 18 cm.
+
+Panels: bias against time per step, total error against time, failures against time per step, and a key of the methods in the scene. Every method
+has its own marker. All scenes have equal axes, except for the time per step. Values below an axis are drawn on it.
 
 SPDX-License-Identifier: MIT
 """
@@ -10,7 +11,7 @@ import chart
 import picture
 from chart import BLUE, GREEN, ORANGE, PINK, RED, SKY
 
-WIDTH, HEIGHT = 680.0, 652.0  # of the page, in parts of which the places of its panels are given
+WIDTH, HEIGHT = 680.0, 652.0  # size of the page, in the units of the panels' places
 MESHES = {"mesh-analytic-area": (BLUE, "s", True), "mesh-analytic-inscribed": (SKY, "s", False), "mesh-vertex-area": (GREEN, "o", True),
           "mesh-vertex-inscribed": (GREEN, "o", False), "mesh-facet-area": (RED, "^", True), "mesh-facet-inscribed": (ORANGE, "^", False)}
 METHODS = {"auto": ("black", "o", False), **MESHES, "mesh-auto": (BLUE, "v", False), "cone": (PINK, "D", True), "opencl": (PINK, "D", False),
@@ -59,8 +60,8 @@ def draw_errors(axes, found):
 
 
 def key(plt, found):
-    """A line for everything that this scene has."""
-    radial = bool(found["curve.cpu-cone"])  # else the surface is a mesh, of which coarser ones are samples
+    """Draws the key: a line for everything in this scene."""
+    radial = bool(found["curve.cpu-cone"])  # true for a scene with cones; otherwise the surface is a mesh, and the samples are coarser meshes
 
     def line(colour, style, text, width=1.5):
         return plt.Line2D([], [], color=colour, linestyle=style, linewidth=width, label=text)
@@ -83,7 +84,7 @@ def key(plt, found):
 
 
 def draw(scene, found, times, path):
-    """found: points of each series, by accuracy_table.series_of. times: from and to which the axis of times goes."""
+    """Draws the page. found: points of each series, by accuracy_table.series_of. times: ends of the axis of times."""
     plt = picture.begin()
     plt.rcParams.update({"xtick.labelsize": 10, "ytick.labelsize": 10})
     figure = plt.figure(figsize=(WIDTH / 96, HEIGHT / 96))

@@ -1,4 +1,4 @@
-"""What the accuracy chart compares: scenes, and the methods that fly them.
+"""The scenes that the accuracy chart compares, and the methods that fly them.
 
 SPDX-License-Identifier: MIT
 """
@@ -12,29 +12,29 @@ import cases
 sys.path.insert(0, os.path.join(cases.ROOT, "tests", "lib"))
 import paired_planes  # noqa: E402
 
-RUNS = 16  # in every file; each has its own random streams
+RUNS = 16  # runs in every file, each with its own random streams
 SHAPES = ("flat50", "lohill", "hihill", "locrater", "hicrater", "lonoise", "hinoise")
 TOLERANCES = ("1e-1", "3e-2", "1e-2", "5e-3", "2e-3", "1e-3", "3e-4", "1e-4")
 FEWER_TOLERANCES = ("1e-1", "1e-2", "1e-3")
 KINDS = [(normals, rings) for normals in ("analytic", "vertex", "facet") for rings in ("area", "inscribed")]
-TRIANGLES = (50, 100, 200, 500, 1000, 2000, 5000, 10000)  # of the coarser samplings of the rough top
+TRIANGLES = (50, 100, 200, 500, 1000, 2000, 5000, 10000)  # triangles of the coarser samplings of the rough top
 TRUE_TRIANGLES = 40000
-FINE_RINGS = 12000  # of the stack's top
+FINE_RINGS = 12000  # rings of the stack's top
 COST_RINGS = (200, 1000, 10000)
-FEW_RUNS = 4  # where building a mesh takes seconds
-LOWER = 1000  # times, is the ripple than the low hill
-ASKED = ("1e-1", "5e-2", "2e-2", "1e-2", "1e-3", "1e-4")  # of the scenes where a plane is worse than it looks
+FEW_RUNS = 4  # number of runs if building a mesh takes seconds
+LOWER = 1000  # ratio of the low hill's height to the ripple's
+ASKED = ("1e-1", "5e-2", "2e-2", "1e-2", "1e-3", "1e-4")  # tolerances of the scenes in which a plane is worse than it looks
 
 
 class Method:
-    """One way to fly a scene. group: the series of the chart; scene: another file than the scene's own."""
+    """One way to fly a scene. group: the series of the chart. scene: a file in place of the scene's own."""
 
     def __init__(self, name, group, options, tolerance="", scene=None):
         self.name, self.group, self.options, self.tolerance, self.scene = name, group, options, tolerance, scene
 
 
 class Scene:
-    """A file of some runs; mut and profile (last radius, steepest slope) of its curved boundaries, where they matter."""
+    """A file of several runs. mut and profile (last radius, steepest slope): of its curved boundaries, if they matter."""
 
     def __init__(self, name, path, methods, mut=0.0, profile=None):
         self.name, self.path, self.methods, self.mut, self.profile = name, path, methods, mut, profile
@@ -43,7 +43,7 @@ class Scene:
         return method.scene or self.path
 
     def bound(self, group, deviation):
-        """On paper: how far a tessellation's points and normals are off, and single precision's points."""
+        """Returns bounds on paper of the errors of a tessellation's points and normals, and of points in single precision."""
         if not self.profile or not deviation:
             return dict.fromkeys(("position_bound_cm", "normal_bound_rad", "optical_bound", "float_cm"), "")
         radius, slope = self.profile
@@ -77,7 +77,7 @@ def radial_methods(quick):
 
 
 def write_runs(lines, name, path, surfaces, runs=RUNS):
-    """A file of `runs` runs of the same scene. lines: its data lines; surfaces: {medium line's index: line above it}."""
+    """Writes a file with `runs` runs of one scene. lines: its data lines; surfaces: {index of a medium's line: line above it}."""
     body = lines[3:]
     for index in sorted(surfaces, reverse=True):
         body.insert(index, surfaces[index])
@@ -89,7 +89,7 @@ def write_runs(lines, name, path, surfaces, runs=RUNS):
 
 
 def profile_of(words):
-    """(last radius, steepest slope) of the numbers of a heightfield."""
+    """Returns (last radius, steepest slope) of the numbers of a heightfield."""
     numbers = [float(word) for word in words[1:]]
     heights, spacings = numbers[0::2], numbers[1::2]
     slopes = [abs(b - a) / s for a, b, s in zip(heights, heights[1:], spacings)]
@@ -117,7 +117,7 @@ def rings_scene(medium, work, quick):
 
 
 def rough_scene(work):
-    """An asymmetric top, whose truth is a fine sampling of it, flown in double precision."""
+    """Returns a scene with an asymmetric top. Its truth is a fine sampling, run in double precision."""
     name, lines = "S2-rough", cases.data_lines("S2")
 
     def file_of(triangles):
@@ -141,7 +141,7 @@ def rough_scene(work):
 
 
 def stack_scene(work):
-    """Boundaries that want different things: fine rings over clear air, a flat field, a hill."""
+    """Returns a scene whose boundaries suit different methods: fine rings over clear air, a flat field, a hill."""
     cases.make_surface("rings", FINE_RINGS, cases.AMPLITUDE, os.path.join(work, "fine.txt"))
     hill = [line for line in cases.lines_of(cases.shape_path("lohill")) if line[:2] == "b "][0]
     lines = cases.data_lines("S2")
@@ -156,7 +156,7 @@ def stack_scene(work):
 
 
 def cost_scene(rings, work):
-    """What rings and triangles cost, for the constants of src/surface/surface_choice.c."""
+    """Returns a scene that measures the cost of rings and triangles, for the constants of src/surface/surface_choice.c."""
     name = "S2-rings-%d" % rings
     path = os.path.join(work, name + ".mci")
     cases.make_surface("rings", rings, cases.AMPLITUDE, path + ".txt")
@@ -165,7 +165,7 @@ def cost_scene(rings, work):
 
 
 def ripple_scene(work):
-    """A hill so low that a plane is enough, when asked."""
+    """Returns a scene with a hill so low that a plane is enough if the tolerance allows it."""
     lines = cases.lines_of(cases.shape_path("lohill"))
     for index, words in [(i, line.split()) for i, line in enumerate(lines) if line.startswith("b ")]:
         low = ["%.6g" % (float(height) / LOWER) for height in words[2::2]]
@@ -179,7 +179,7 @@ def ripple_scene(work):
 
 
 def deceptive_scene(paired, work):
-    """Little height and slope, and yet no plane: what `auto` must see at every tolerance."""
+    """Returns a scene of small height and slope for which a plane is nevertheless wrong: `auto` must notice this at every tolerance."""
     path = os.path.join(work, paired.name + ".mci")
     with open(path, "w") as stream:
         stream.write(paired.text(paired.surface, RUNS))
@@ -193,7 +193,7 @@ def deceptive_scene(paired, work):
 
 
 def makers(quick):
-    """What makes the files of a scene in a folder, by the scene's name."""
+    """Returns, by the scene's name, the function that makes its files in a folder."""
     of = functools.partial
     shapes = {shape: of(shape_scene, shape, quick=quick) for shape in SHAPES}
     rings = {medium + "-rings": of(rings_scene, medium, quick=quick) for medium in ("S2", "S6a")}

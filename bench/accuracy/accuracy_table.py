@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Reads, ranks and tells what accuracy.py measured. As a program: accuracy_table.py CSV README.md rewrites the reading
-there; accuracy_table.py CSV prints the table.
+"""Reads, ranks and describes results of accuracy.py. As a program, accuracy_table.py CSV README.md rewrites the text there; accuracy_table.py CSV
+prints the table.
 
 SPDX-License-Identifier: MIT
 """
@@ -12,7 +12,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import tables
 
 REFERENCE = "reference"
-TOLERANCE = 1e-3  # the program's default, which the methods auto and mesh-auto are held to
+TOLERANCE = 1e-3  # the program's default, which the methods auto and mesh-auto must keep
 
 
 def number(row, key):
@@ -20,12 +20,12 @@ def number(row, key):
 
 
 def shown(row):
-    """A bias below two standard errors is not resolved; the limit stands in its place."""
+    """Returns the size of a bias. A bias below two standard errors is not resolved, and is replaced by this limit."""
     return max(abs(number(row, "bias")), 2 * number(row, "bias_se"))
 
 
 def mark_front(rows):
-    """Sets `front` on the rows that no other row of their scene beats in both time and bias; the reference is no rival."""
+    """Sets `front` on the rows that no other row of their scene beats in both time and bias. The reference does not compete."""
     for row in rows:
         rivals = [other for other in rows if other["scene"] == row["scene"] and other["group"] != REFERENCE]
         beaten = any(number(other, "ns_per_step") <= number(row, "ns_per_step") and shown(other) <= shown(row)
@@ -47,7 +47,7 @@ def cells(row):
 
 
 def lines(header, rows):
-    """What is printed."""
+    """Returns the lines that are printed."""
     return ["%s: %s" % pair for pair in header] + ["", *tables.aligned([TITLES] + [cells(row) for row in rows]), "", *reading(header, rows)]
 
 
@@ -61,7 +61,7 @@ def of(rows, scene, method):
 
 
 def resolved(row, errors=3):
-    """The larger of the biases of totals and profile, of those beyond so many standard errors; else 0."""
+    """Returns the larger of the biases of totals and profile, if it exceeds that many standard errors; else 0."""
     total, profile = abs(number(row, "bias")), number(row, "profile_bias")
     return max(total if total > errors * number(row, "bias_se") else 0.0,
                profile if profile > errors * number(row, "profile_se") else 0.0)
@@ -72,12 +72,12 @@ def worst(rows, key):
 
 
 def bias_rules(rows):
-    """Lines on how the bias of tessellations grows with their deviation: the constants of src/surface/surface_choice.c."""
+    """Returns lines on how the bias of tessellations grows with their deviation: the constants of src/surface/surface_choice.c."""
     shares, plateau = [], worst([row for row in rows if row["group"].startswith("mesh-vertex") and row["tolerance"]
                                  and number(row, "tolerance") <= 1e-3], resolved)
     for group in ("mesh-analytic-area", "mesh-analytic-inscribed", "mesh-facet-area", "mesh-facet-inscribed"):
         def share(row):
-            return resolved(row, 5) / number(row, "deviation")  # of hundreds of rows, some are off by three errors
+            return resolved(row, 5) / number(row, "deviation")  # in hundreds of rows, some are off by three errors
         row = worst([row for row in by_group(rows, group) if number(row, "deviation") > 0], share)
         shares.append("%s %.1f (%s)" % (group[5:].replace("-", ", "), share(row), row["scene"]))
     return ["- Bias / deviation of tessellations, worst resolved case: %s. Of these follow the deviations that keep a "
@@ -95,12 +95,12 @@ def asked(row):
 
 
 def is_kept(row):
-    """Whether the bias of a total is below the asked tolerance for certain."""
+    """True if the bias of a total is certainly below the asked tolerance."""
     return abs(number(row, "bias")) + 2 * number(row, "bias_se") <= asked(row)
 
 
 def kept(rows):
-    """Whether the automatic choices keep the tolerance they were given."""
+    """Returns a line that says if the automatic choices keep their tolerance."""
     held = automatic(rows)
     broken = [row for row in held if abs(number(row, "bias")) > asked(row) + 3 * number(row, "bias_se")
               or number(row, "profile_bias") > asked(row) + 3 * number(row, "profile_se")]
@@ -111,7 +111,7 @@ def kept(rows):
 
 
 def cost(rows):
-    """ns per query beyond what a plane's steps take: (of a cone without rings, per ring, of a mesh), or None."""
+    """Returns the ns per query beyond the steps of a plane, for (a cone without rings, each ring, a mesh), or None."""
     def query(row):
         plane = of(rows, row["scene"], "plane")
         seconds = number(row, "cpu_s") - 1e-9 * number(plane, "ns_per_step") * number(row, "steps")
@@ -124,12 +124,12 @@ def cost(rows):
 
 
 def slower(rows, row, other):
-    """How many times the time per step of `row` that of another method in its scene is."""
+    """Returns the ratio of another method's time per step to that of `row`, in the same scene."""
     return number(of(rows, row["scene"], other), "ns_per_step") / number(row, "ns_per_step")
 
 
 def gain(rows):
-    """How close `auto` comes to the best method of each scene, and what it does where boundaries differ."""
+    """Returns lines on how close `auto` comes to the best method of each scene, and on its choices if boundaries differ."""
     def lag(row):
         sure = [other for other in rows if other["scene"] == row["scene"] and other["group"] != REFERENCE
                 and (abs(number(other, "bias")) + 2 * number(other, "bias_se") <= TOLERANCE or other is row)]
@@ -143,7 +143,7 @@ def gain(rows):
 
 
 def knees(rows):
-    """When a bias shows through the noise; biases of rounding are left out."""
+    """Returns a line on the times at which a bias exceeds the noise. Biases from rounding are left out."""
     def seconds(group):
         return [number(row, "knee_s") for row in by_group(rows, group) if biased(row) and number(row, "knee_s") < 1e6]
     plane, mesh, cone = (seconds(group) for group in ("plane", "mesh-auto", "cone"))
@@ -156,14 +156,14 @@ def packets(rows):
     meshes = [row for row in by_group(rows, "mesh-analytic-area") if row["tolerance"] == "1e-1"]
     words = []
     for key in ("Rd", "A", "Tt"):
-        needs = [number(row, "packets_1e-4_" + key) for row in meshes if number(row, "packets_1e-4_" + key) > 1]  # equal surfaces need none
+        needs = [number(row, "packets_1e-4_" + key) for row in meshes if number(row, "packets_1e-4_" + key) > 1]  # equal surfaces need no packets
         words.append("%s %.1e to %.1e" % (key, min(needs), max(needs)))
     return ("- Paired packets that resolve a bias of 1e-4 of the light at 3 standard errors, coarsest mesh against cones: %s; "
             "finer meshes share more paths and need fewer." % ", ".join(words))
 
 
 def reading(header, rows):
-    """What the charts say, in ten lines of Markdown; of some scenes only whether tolerances were kept."""
+    """Returns the reading of the charts in ten lines of Markdown. A part of the scenes only says if tolerances were kept."""
     about = dict(header)
     if "only" in about:
         return [kept(rows)]
@@ -187,12 +187,12 @@ def reading(header, rows):
 
 
 def biased(row):
-    """Whether the bias of the totals is resolved."""
+    """True if the bias of the totals is resolved."""
     return abs(number(row, "bias")) > 3 * number(row, "bias_se") and number(row, "bias_se") > 0
 
 
 def curve(row):
-    """(seconds, error) of one method, over all of CURVE; a bias that is not resolved counts as none."""
+    """Returns (seconds, error) of one method, over all of CURVE. An unresolved bias counts as none."""
     bias, variance, rate = biased(row) * number(row, "bias"), number(row, "variance"), number(row, "packets_per_s")
     points = [10 ** (i / 4) for i in range(-20, 13)] if bias else CURVE
     return [(t, math.sqrt(bias ** 2 + variance / (rate * t))) for t in points]
@@ -205,13 +205,13 @@ def knee(row):
 GROUPS = ("cone", "opencl", "plane", "auto", "mesh-auto", "mesh-analytic-area", "mesh-analytic-inscribed",
           "mesh-vertex-area", "mesh-vertex-inscribed", "mesh-facet-area", "mesh-facet-inscribed")
 CURVES = ("plane", "cpu-cone", "mesh", "mesh-analytic-area-1e-1", "mesh-vertex-area-1e-1", "sampled-face-50")
-CURVE = (1e-5, 1e3)  # seconds that the chart of total errors shows
+CURVE = (1e-5, 1e3)  # range of seconds in the chart of total errors
 LEAST = 1e-8  # the lower edge of the chart of biases
-MARGIN = 1.5  # times, by which its axis of times goes beyond them
+MARGIN = 1.5  # factor by which the axis of times extends beyond its values
 
 
 def points(rows):
-    """Time per step, bias, its two errors, the profile's bias, failures, and the bound on paper of each row, by time."""
+    """Returns time per step, bias, its two errors, the profile's bias, failures, and the bound on paper of each row, sorted by time."""
     return sorted((number(row, "ns_per_step"), max(shown(row), LEAST), 2 * number(row, "bias_se"),
                    max(number(row, "profile_bias"), number(row, "profile_se"), LEAST),
                    max(number(row, "failures_per_1e9"), number(row, "failures_limit")),
@@ -219,7 +219,7 @@ def points(rows):
 
 
 def series_of(rows):
-    """{name: points} of one scene: its groups, front, limits, curves and knees."""
+    """Returns {name: points} of one scene: its groups, front, limits, curves and knees."""
     found = {group: points(by_group(rows, group)) for group in GROUPS}
     found["front"] = points([row for row in rows if int(row["front"])])
     found["limits"] = [(number(row, "ns_per_step"), number(row, "failures_limit"))
@@ -232,7 +232,7 @@ def series_of(rows):
 
 
 def pages(rows):
-    """Of every scene: its name, its series, and from and to which the axis of times goes."""
+    """Yields for every scene its name, its series, and the ends of the axis of times."""
     for scene in dict.fromkeys(row["scene"] for row in rows):
         mine = [row for row in rows if row["scene"] == scene]
         times = [number(row, "ns_per_step") for row in mine if row["group"] in GROUPS]

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""How far off are spheres and cylinders as meshes? body_bias.py [--photons N] [--runs N] [--program PATH] [--out DIR]
+"""Measures the bias of spheres and cylinders as meshes: body_bias.py [--photons N] [--runs N] [--program PATH] [--out DIR]
 
-Flies each scene with its body as it is and as meshes of falling tolerance, the same packets in both, in independent runs.
-The bias is that of what the body absorbs, its error that of the paired differences; the order is the slope of its logarithm
-over that of the number of segments, weighted by how well each is known. Leaves body_bias.md in DIR.
+Each scene is simulated with its exact body and with meshes of falling tolerance, with the same packets, in independent runs. The bias is that of
+the body's absorption; its error comes from paired differences. The order is the slope of the bias's logarithm over that of the number of segments,
+weighted by how well each bias is known. Leaves body_bias.md in DIR.
+
 SPDX-License-Identifier: MIT
 """
 import math
@@ -29,7 +30,7 @@ TITLES = ("scene", "triangles", "tolerance", "bias of A", "its error", "order")
 
 
 def fly(program, path, photons, seed, *options):
-    """(share that the body absorbs, its facets)."""
+    """Returns (share that the body absorbs, its facets)."""
     line = [program, path, "--json", "--quiet", "--photons", repr(photons), "--seed", str(seed), "--ignore-absorption",
                "-o", os.path.dirname(path), *options]
     body = runs.records(line)[0]["bodies"][0]
@@ -37,12 +38,12 @@ def fly(program, path, photons, seed, *options):
 
 
 def segments(scene, triangles):
-    """Edges are cut into n: 20 n^2 triangles of a sphere, 4 n - 4 of a prism."""
+    """Returns the number n of segments into which edges are cut: a sphere has 20 n^2 triangles, a prism 4 n - 4."""
     return math.sqrt(triangles / 20) if "sphere" in scene else (triangles + 4) / 4
 
 
 def measure(program, path, arguments):
-    """[(tolerance, triangles, bias, error)]"""
+    """Returns [(tolerance, triangles, bias, error)]."""
     seeds = range(1, arguments.runs + 1)
     exact = [fly(program, path, arguments.photons, seed)[0] for seed in seeds]
     rows = []
@@ -54,7 +55,7 @@ def measure(program, path, arguments):
 
 
 def order(scene, rows):
-    """(slope, error) of the bias over the segments, of those that are known to a third."""
+    """Returns (slope, error) of the bias over the segments, from biases that are known to a third."""
     known = [(math.log(segments(scene, n)), math.log(abs(bias)), bias / error) for _, n, bias, error in rows
              if abs(bias) > 3 * error]
     if len(known) < 2:

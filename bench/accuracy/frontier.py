@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""Charts how long each way to fly a scene takes to an error, against its bias, before and after lattice sampling and the roulette
-window:
-    frontier.py [--quick] [--only SCENE,...] [--rounds N] [--mcml PATH] [--program PATH] [--out DIR]
-by default of build/clustermcml into bench/out. Leaves frontier.csv, frontier.txt and, with matplotlib, frontier.svg. --mcml is a
-binary of original MCML, which is then timed on the same scenes without their shapes. --only flies the scenes that it
-names, and draws nothing.
-    frontier.py --draw CSV SVG
-draws a result again. bench/accuracy/README.md says how to read them.
+"""Charts the time that each way to fly a scene takes to an error, against its bias, before and after lattice sampling and the roulette window:
 
-`before` is MCML's own sampling and roulette, `after` the program's defaults. Every round flies both, one after the other, on one
-thread; times are processor time of the flight, ratios are formed within a round.
+    frontier.py [--quick] [--only SCENE,...] [--rounds N] [--mcml PATH] [--program PATH] [--out DIR]
+
+By default the program is build/clustermcml and DIR is bench/out. Leaves frontier.csv, frontier.txt and, with matplotlib, frontier.svg. --mcml is a
+binary of original MCML, which is timed on the same scenes without their shapes. --only selects scenes, and draws nothing.
+
+    frontier.py --draw CSV SVG
+
+draws a result again. bench/accuracy/README.md explains the chart.
+
+`before` is MCML's own sampling and roulette, `after` the program's defaults. Every round runs both, one after the other, on one thread. Times are
+processor times of the flight, and ratios are formed within a round.
+
 SPDX-License-Identifier: MIT
 """
 import concurrent.futures
@@ -34,9 +37,9 @@ VARIANTS = {"before": ["--sampling", "random", "--roulette", "mcml"], "after": [
 TOTALS = ("Rd", "A", "Tt")
 PROFILES = ("A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a")
 ERROR, SMALL_ERROR = 1e-3, 1e-4
-LEAST = 1e-2  # of the light: smaller totals do not count for the worst one
-LEAST_BIN = 1e3  # largest variance of a packet over the square of the mean, of bins that count: content of some 1e-3
-PAIRS = 16  # independent streams for biases
+LEAST = 1e-2  # share of the light below which totals are left out of the worst one
+LEAST_BIN = 1e3  # bins count if the variance of a packet over the square of the mean is smaller: content of some 1e-3
+PAIRS = 16  # number of independent streams for biases
 CORES = 2
 TRIAL = 2000
 
@@ -53,7 +56,7 @@ class Series:
 # ---- runs
 
 def sections_of(path):
-    """(value, standard error) of every bin of every profile. The grids over two variables, which are long, are not parsed."""
+    """Returns (value, standard error) of every bin of every profile. Grids over two variables, which are long, are not parsed."""
     with open(path) as stream:
         text = stream.read()
     bins = []
@@ -70,7 +73,7 @@ def sections_of(path):
 
 
 def fly(program, scene, method, variant, photons, seed, profiles=True):
-    """One run on one thread: its record, with bins where they are wanted."""
+    """Makes one run on one thread. Returns its record, with the bins of profiles if profiles=True."""
     with tempfile.TemporaryDirectory() as out:
         command = [program, scene.path, "--json", "--threads", "1", "--photons", str(int(photons)), "--seed", str(seed), "-o", out,
                    "--checkpoint", "off"] + method.options + VARIANTS[variant] + ([] if profiles else ["--ignore-absorption"])
@@ -79,7 +82,7 @@ def fly(program, scene, method, variant, photons, seed, profiles=True):
         return record
 
 
-# ---- what a run says
+# ---- numbers of a run
 
 def relative(run, total):
     return run[total + "_se"] / run[total]
@@ -90,18 +93,18 @@ def seconds_to(run, total, error=ERROR):
 
 
 def mean_error(run):
-    """Geometric mean of the relative errors of the totals."""
+    """Returns the geometric mean of the relative errors of the totals."""
     return math.exp(statistics.fmean(math.log(relative(run, total)) for total in TOTALS))
 
 
 def counting_bins(run):
-    """Which bins have content enough for a standard error to be compared."""
+    """Returns the indices of bins with enough content to compare standard errors."""
     return [i for i, (value, error) in enumerate(run["bins"])
             if value > 0 < error and run["photons"] * (error / value) ** 2 < LEAST_BIN]
 
 
 def bin_seconds(run, bins):
-    """Geometric mean over bins of the seconds to ERROR."""
+    """Returns the geometric mean over bins of the seconds to ERROR."""
     logs = [math.log(run["bins"][i][1] / run["bins"][i][0] / ERROR) for i in bins if run["bins"][i][1] > 0 < run["bins"][i][0]]
     return run["cpu_s"] * math.exp(2 * statistics.fmean(logs)) if logs else math.nan
 
@@ -109,10 +112,10 @@ def bin_seconds(run, bins):
 # ---- measuring
 
 def calibrate(program, series, target):
-    """Photons of a run: what an error of ERROR takes after, if that is no more than twice `target` seconds. As many before, so that
-    what a run costs whatever its length weighs the same in both."""
+    """Sets the photons of a run: as many as ERROR needs with `after`, but at most twice `target` seconds. `before` gets as many, so that costs that
+    do not depend on length weigh equally in both."""
     wanted = TRIAL
-    for _ in range(3):  # errors do not fall with the root of the photons
+    for _ in range(3):  # errors do not fall exactly with the root of the photons
         run = fly(program, series.scene, series.method, "after", wanted, 1)
         limits = run["photons"] / run["cpu_s"] * target
         wanted = int(min(max(run["photons"] * (mean_error(run) / ERROR) ** 2, 0.1 * limits, TRIAL), 2 * limits))
@@ -128,7 +131,7 @@ def measure_round(program, mcml, series, index):
 
 
 def measure_small(program, series, target):
-    """One run towards SMALL_ERROR, as far as the time goes: three times as far for flat scenes, whose bias it shows."""
+    """Makes one run towards SMALL_ERROR, as far as the time allows. Flat scenes, whose bias it shows, get three times as much time."""
     target *= 3 if series.scene.exact else 1
     last = series.runs["after"][-1]
     photons = min(last["photons"] * (mean_error(last) / SMALL_ERROR) ** 2, last["photons"] / last["cpu_s"] * target)
@@ -138,7 +141,7 @@ def measure_small(program, series, target):
 # ---- biases
 
 def against_exact(series):
-    """{total: (relative bias, its error)} of each variant against adding-doubling, from all runs."""
+    """Returns {total: (relative bias, its error)} of each variant against adding-doubling, from all runs."""
     found, truth = {}, series.scene.exact
     for variant in VARIANTS:
         runs = series.runs[variant] + [series.small] * (variant == "after")
@@ -150,7 +153,7 @@ def against_exact(series):
 
 
 def paired(program, scene, all_series, budget, pool):
-    """Biases of the scene's methods against its truth, from differences of the same packets in PAIRS streams."""
+    """Returns biases of the scene's methods against its truth, from differences of the same packets in PAIRS streams."""
     trial = fly(program, scene, scene.truth, "after", 200, 1, False)
     photons = max(200, 200 * budget / trial["cpu_s"] / PAIRS)
     methods = [scene.truth] + [series.method for series in all_series]
@@ -169,7 +172,7 @@ def paired(program, scene, all_series, budget, pool):
 # ---- rows
 
 def ratios(series, seconds):
-    """Of the times before and after, round by round: median, least, most."""
+    """Returns the median, least and largest ratio of the times before and after, formed in each round."""
     values = [seconds(a) / seconds(b) for a, b in zip(series.runs["before"], series.runs["after"])]
     return statistics.median(values), min(values), max(values)
 
@@ -179,7 +182,7 @@ def of_totals(run):
 
 
 def gains(series):
-    """Columns gain_*: how many times as long the same error took before."""
+    """Returns the columns gain_*: the ratio of the times to equal error, before over after."""
     bins = [i for i in counting_bins(series.runs["before"][0]) if series.runs["after"][0]["bins"][i][1] > 0]
     columns = [(total, lambda run, total=total: seconds_to(run, total)) for total in TOTALS]
     columns += [("totals", of_totals), ("profiles", lambda run: bin_seconds(run, bins))]
@@ -191,7 +194,7 @@ def gains(series):
 
 
 def mcml_gains(series):
-    """How many times as long original MCML takes to the same error: its time per photon, the variance of `before`."""
+    """Returns the ratio of original MCML's time to equal error, from its time per photon and the variance of `before`."""
     row = {}
     for total in TOTALS:
         values = [per_photon * run["photons"] * (relative(run, total) / ERROR) ** 2 / seconds_to(after, total)
@@ -201,7 +204,7 @@ def mcml_gains(series):
 
 
 def worst(values, runs):
-    """The largest of what belongs to totals, of those above LEAST."""
+    """Returns the total, among those above LEAST, with the largest value."""
     return max((total for total in TOTALS if runs[0][total] > LEAST), key=values)
 
 
@@ -225,7 +228,7 @@ def row_of(series, variant):
 
 
 def difference(series):
-    """(after - before) over its error, of the total that differs most: sampling must not show."""
+    """Returns (after - before) over its error, for the total that differs most. The sampling must not change results."""
     def z(total):
         means = [statistics.fmean(run[total] for run in series.runs[variant]) for variant in VARIANTS]
         squares = sum(run[total + "_se"] ** 2 for variant in VARIANTS for run in series.runs[variant])
@@ -234,8 +237,8 @@ def difference(series):
 
 
 def rows_of(series):
-    """Two rows, before and after, and one of original MCML where it was timed: it has the plane's bias, and takes a hundred times
-    as long to a tenth of the error."""
+    """Returns two rows, before and after, and a row of original MCML if it was timed. That row has the bias of the plane, and a hundred times the
+    time for a tenth of the error."""
     before, after = row_of(series, "before"), row_of(series, "after")
     blank = dict.fromkeys(list(gains(series)) + ["z_before"] + list(mcml_gains(series)), "")
     after_row = {**after, **gains(series), "z_before": difference(series), **mcml_gains(series)}
@@ -251,7 +254,7 @@ def rows_of(series):
 
 
 def measure(program, mcml, scenes, target, rounds):
-    """All series, measured, in runs of some `target` seconds."""
+    """Measures all series in runs of about `target` seconds, and returns them."""
     begin = time.time()
     everything = [Series(scene, method) for scene in scenes for method in scene.methods]
     say = lambda text: print("%4.0f s  %s" % (time.time() - begin, text), file=sys.stderr, flush=True)  # noqa: E731
@@ -294,7 +297,7 @@ def main():
     target, rounds = (0.1, 5) if arguments.quick else (0.25, 7)
     rounds = arguments.rounds or rounds
     with tempfile.TemporaryDirectory() as work:
-        program = shutil.copy(arguments.program, work)  # nobody rebuilds it between two rounds
+        program = shutil.copy(arguments.program, work)  # a copy, which nobody rebuilds between two rounds
         scenes = [scene for scene in frontier_scenes.all_scenes(work) if scene.name in names]
         everything = measure(program, arguments.mcml, scenes, target, rounds)
     header = tables.machine(arguments.program, rounds)

@@ -1,5 +1,6 @@
-"""A panel per scene from a result of frontier.py: bias against the seconds that an error of 0.1 % (large mark) and of 0.01 % (small
-mark) takes. Every method has its own marker. All panels have the same axes and one key.
+"""Draws a panel per scene from a result of frontier.py: bias against the seconds to an error of 0.1 % (large mark) and of 0.01 % (small mark).
+
+Every method has its own marker. All panels have the same axes and one key.
 
 SPDX-License-Identifier: MIT
 """
@@ -36,7 +37,7 @@ def key(plt):
 
 def draw(rows, target):
     plt, scenes = picture.begin(), frontier_scenes.CHARTED
-    height = (len(scenes) + COLUMNS) // COLUMNS  # one place for the key
+    height = (len(scenes) + COLUMNS) // COLUMNS  # one place is for the key
     figure = plt.figure(figsize=(12.4, 0.7 + 2.9 * height))
     panels = figure.subplots(height, COLUMNS, gridspec_kw={"left": 0.055, "right": 0.99, "top": 1 - 0.9 / (0.7 + 2.9 * height), "bottom": 0.05, "wspace": 0.22, "hspace": 0.42}).flatten()
     for axes, scene in zip(panels, scenes):

@@ -8,7 +8,7 @@ import cases
 
 FLAT = ("S1", "S2", "S3", "S4", "S5", "S6a")
 SHAPES = ("hihill", "hicrater", "lonoise")
-ROUGH = (("S2", cases.AMPLITUDE), ("S5", "0.0015"))  # medium, height [cm]: that of skin may not reach its second layer
+ROUGH = (("S2", cases.AMPLITUDE), ("S5", "0.0015"))  # medium, height [cm]; the top of skin must not reach its second layer
 NAMES = FLAT + SHAPES + tuple(medium + "-rough" for medium, _ in ROUGH)
 TRIANGLES = 10000
 CHARTED = ("S2", "S6a", "S5") + SHAPES + ("S2-rough", "S5-rough")
@@ -17,15 +17,15 @@ LABELS = {"S2": "S2 (fig6), flat", "S6a": "S6a (thick), flat", "S5": "S5 (skin7)
 
 
 class Method:
-    """One way to fly a scene: `name` is that of the boundaries' kind, or auto."""
+    """One way to fly a scene. name: kind of the boundaries, or auto."""
 
     def __init__(self, name, options=()):
         self.name, self.options = name, list(options)
 
 
 class Scene:
-    """path: its file; flat: the data lines without shapes, for original MCML; truth: the method of the reference engine that
-    biases are taken against, None where adding-doubling knows the totals."""
+    """path: file of the scene; flat: its data lines without shapes, for original MCML; truth: the method of the reference engine against which
+    biases are measured, or None if adding-doubling knows the totals."""
 
     def __init__(self, name, path, flat, methods, truth=None, exact=None):
         self.name, self.path, self.flat, self.methods, self.truth, self.exact = name, path, flat, methods, truth, exact
@@ -46,7 +46,7 @@ def shape_scene(shape):
 
 
 def rough_scene(medium, amplitude, work):
-    """A scan on a regular grid, which is walked; the same triangles searched by Embree are `mesh`."""
+    """Returns a scene with a scan on a regular grid, which is walked over. The method `mesh` searches the same triangles with Embree."""
     name = medium + "-rough"
     obj, path = os.path.join(work, name + ".obj"), os.path.join(work, name + ".mci")
     cases.make_surface("mesh", TRIANGLES, amplitude, obj)

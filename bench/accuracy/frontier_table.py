@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Tells what frontier.py measured. As a program: frontier_table.py CSV README.md rewrites the reading there;
-frontier_table.py CSV prints the table.
+"""Describes results of frontier.py. As a program, frontier_table.py CSV README.md rewrites the text there; frontier_table.py CSV prints the table.
 
 SPDX-License-Identifier: MIT
 """
@@ -15,7 +14,7 @@ import tables
 
 MANY = ("hihill", "hicrater", "lonoise")
 GAINS = ("Rd", "A", "Tt", "totals", "profiles")
-FLOOR = 2e-7  # of the chart; biases below are drawn on it
+FLOOR = 2e-7  # lower edge of the chart; smaller biases are drawn on it
 
 
 def number(row, key):
@@ -27,13 +26,13 @@ def pick(rows, **keys):
 
 
 def usual(rows):
-    """The rows `after` of what the program takes by itself: auto, or the plane of a flat scene."""
+    """Returns the rows `after` of the method that the program takes by itself: auto, or the plane of a flat scene."""
     return [row for row in pick(rows, variant="after")
             if row["method"] == "auto" or not pick(rows, scene=row["scene"], method="auto")]
 
 
 def hidden(row):
-    """Whether two standard errors hide the bias."""
+    """True if two standard errors hide the bias."""
     return abs(number(row, "bias")) < 2 * number(row, "bias_se")
 
 
@@ -56,7 +55,7 @@ def cells(row):
 
 
 def mcml_row(rows, row):
-    """The row of the plane, on which original MCML was timed, where the shape makes another one the usual."""
+    """Returns the row of the plane, on which original MCML was timed, in place of a row with a shape."""
     return row if row["method"] == "plane" else (pick(rows, scene=row["scene"], method="plane", variant="after") or [row])[0]
 
 
@@ -132,14 +131,14 @@ def kinds_reading(rows):
 
 
 def reading(rows):
-    """Lines that compare scenes; none where only some were flown."""
+    """Returns lines that compare scenes, or none if only some scenes were run."""
     if len({row["scene"] for row in rows}) < len(frontier_scenes.NAMES):
         return []
     return (list(gains_reading(rows)) + list(mcml_reading(rows)) + list(bias_reading(rows)) + list(kinds_reading(rows)))
 
 
 def lines(header, rows):
-    """What is printed."""
+    """Returns the lines that are printed."""
     return ["%s: %s" % pair for pair in header] + ["", *tables.aligned([TITLES] + table(rows)), "", *reading(rows)]
 
 
@@ -154,8 +153,8 @@ def readme_lines(header, rows):
 
 
 def place_of(rows, scene, variant, method):
-    """Seconds to 0.1 % and 0.01 %, bias, whether it is a limit. Sampling leaves no bias: the method's is that of the longer
-    runs. None where it was not flown."""
+    """Returns (seconds to 0.1 %, seconds to 0.01 %, bias, True if the bias is a limit), or None without such a row. Sampling leaves no bias, so
+    that the method's bias comes from the longer runs."""
     found = pick(rows, scene=scene, variant=variant, method=method)
     if not found:
         return None

@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
-"""How far off are smooth faces, rough ones by statistics, and reliefs of any length?
+"""Compares smooth faces, faces with statistical roughness, and reliefs of any length:
+
     roughness.py [--quick] [--program PATH] [--out DIR]
 
-Flies slabs with both faces smooth, `rough beckmann ALPHA`, and `m gaussian ALPHA LENGTH tile` of several lengths. The truth is the relief
-of the shortest length. Leaves roughness.csv, roughness_lobes.csv, roughness.md and roughness.svg in DIR; 9 minutes of processor time.
+Simulates slabs with both faces smooth, `rough beckmann ALPHA`, and `m gaussian ALPHA LENGTH tile` of several lengths. The truth is the relief of
+the shortest length. Leaves roughness.csv, roughness_lobes.csv, roughness.md and roughness.svg in DIR; 9 minutes of processor time.
+
     roughness.py --draw CSV DIRECTORY
-makes table and picture of a result again. Needs h5py and matplotlib. bench/accuracy/README.md says how to read them.
+
+makes table and picture of a result again. Needs h5py and matplotlib. bench/accuracy/README.md explains them.
+
 SPDX-License-Identifier: MIT
 """
 import concurrent.futures
@@ -23,7 +27,7 @@ import picture
 import runs
 import tables
 
-SLABS = {"mismatched": (1.0, 1.5), "matched": (1.33, 1.4)}  # n around it, n of the slab
+SLABS = {"mismatched": (1.0, 1.5), "matched": (1.33, 1.4)}  # n around the slab, n of the slab
 SHOWN = {"mismatched": "n 1.5 in air", "matched": "n 1.4 in water"}
 MUA, MUS, G, D = 1, 20, 0.8, 0.5
 FREE_PATH = 1 / (MUA + MUS)  # cm
@@ -33,7 +37,7 @@ POINTS, SEEDS = 128, 6
 NT, NP = 30, 24  # bins of direction
 TOTALS = ("Rsp", "Rd", "A", "Tt")
 JUDGED = TOTALS[1:]  # Rsp of the matched slab is a thousandth of the light
-PHOTONS = {"smooth": 2000000, "statistics": 2000000, "fine": 200000, "relief": 70000}  # of one flight
+PHOTONS = {"smooth": 2000000, "statistics": 2000000, "fine": 200000, "relief": 70000}  # number of photons of one flight
 
 
 # ---- measuring
@@ -44,7 +48,7 @@ def boundary(method, alpha, length, seed):
 
 
 def scene(slab, angle, method, alpha, length, seed):
-    """Both faces have reliefs of their own, with the light spread over whole periods of the upper one."""
+    """Returns the text of a scene. Both faces have reliefs of their own. The light is spread over whole periods of the upper one."""
     around, inside = SLABS[slab]
     width = length / 10 * POINTS if method == "relief" else 0.1
     top, bottom = (boundary(method, alpha, length, 2 * seed + k) for k in (0, 1))
@@ -58,20 +62,21 @@ def cases():
         for alpha in ALPHAS:
             yield slab, angle, "statistics", alpha, 0.0
             for length in LENGTHS:
-                if alpha * length < 0.12:  # above, the reliefs of both faces would meet
+                if alpha * length < 0.12:  # with longer reliefs, both faces would meet
                     yield slab, angle, "relief", alpha, length
 
 
 def lobe(values, errors, angle):
-    """(values, errors) over the angle to the vertical, from behind the beam (negative) to ahead of it: of the bins within 15 degrees of the
-    plane of incidence, or of all azimuths where light comes from straight above."""
+    """Returns (values, errors) over the angle to the vertical, from behind the beam (negative) to ahead of it.
+
+    Bins within 15 degrees of the plane of incidence count, or all azimuths if light comes from straight above."""
     sides = [[NP // 2 - 1, NP // 2], [0, NP - 1]] if angle else [list(range(NP))] * 2
     behind, ahead = ((values[:, bins].mean(axis=1).tolist(), ((errors[:, bins]**2).sum(axis=1)**0.5 / len(bins)).tolist()) for bins in sides)
     return [[*one[::-1], *other] for one, other in zip(behind, ahead)]
 
 
 def fly(program, case, seed, photons):
-    """The record of one flight, with the lobes of what leaves upwards."""
+    """Returns the record of one flight, with the lobes of light that leaves upwards."""
     import h5py
     with tempfile.TemporaryDirectory() as work:
         path = os.path.join(work, "roughness.mci")
@@ -84,7 +89,7 @@ def fly(program, case, seed, photons):
 
 
 def pooled(values, errors):
-    """Mean of several flights and its error: that which the flights report or that by their spread, whichever is larger."""
+    """Returns the mean of several flights and its error: the error that flights report, or the one from their spread, whichever is larger."""
     count = len(values)
     reported = math.sqrt(sum(error**2 for error in errors)) / count
     spread = statistics.stdev(values) / math.sqrt(count) if count > 1 else 0.0
@@ -102,7 +107,7 @@ def row_of(case, flights):
 
 
 def lobes_of(case, flights):
-    """Rows of the lobes of the statistics and of the shortest relief."""
+    """Yields rows of the lobes of the statistics and of the shortest relief."""
     slab, angle, method, alpha, _ = case
     for k in range(2 * NT):
         row = {"slab": slab, "angle": angle, "method": method, "alpha": alpha, "theta": (k - NT + 0.5) * 90 / NT}
@@ -112,7 +117,7 @@ def lobes_of(case, flights):
 
 
 def measure(program, quick):
-    """(rows of totals, rows of lobes)"""
+    """Returns (rows of totals, rows of lobes)."""
     rows, lobes, wanted = [], [], list(cases())
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         def start(case):
@@ -132,7 +137,7 @@ def measure(program, quick):
 # ---- reading a result
 
 class Result:
-    """Rows of a result by what was flown."""
+    """Rows of a result by slab, angle, method, alpha and length."""
 
     def __init__(self, rows):
         self.rows = {(row["slab"], int(row["angle"]), row["method"], float(row["alpha"]), float(row["length"])): row for row in rows}
@@ -141,23 +146,23 @@ class Result:
         return self.rows.get((slab, angle, method, alpha, length) if method != "smooth" else (slab, angle, method, 0.0, 0.0))
 
     def ratio(self, row, truth, name):
-        """(relative difference from the truth, its error) of one total."""
+        """Returns (relative difference from the truth, its error) of one total."""
         value, error, true, true_error = (float(one[key]) for one in (row, truth) for key in (name, name + "_se"))
         return value / true - 1, math.hypot(error / true, value * true_error / true**2)
 
     def bias(self, slab, angle, alpha, method, name, length=0.0):
-        """Against the shortest relief; None where nothing was flown."""
+        """Returns the bias against the shortest relief, or None if there is no such row."""
         row = self.row(slab, angle, method, alpha, length)
         return row and self.ratio(row, self.row(slab, angle, "relief", alpha, LENGTHS[0]), name)
 
     def relief(self, slab, angle, alpha, name, lengths):
-        """A row of the mean of one total over the reliefs of these lengths, weighted by their errors; None where none was flown."""
+        """Returns a row with the mean of one total over the reliefs of these lengths, weighted by their errors, or nothing without rows."""
         rows = [row for row in (self.row(slab, angle, "relief", alpha, length) for length in lengths) if row]
         weights = [float(row[name + "_se"])**-2 for row in rows]
         return rows and {name: sum(w * float(row[name]) for w, row in zip(weights, rows)) / sum(weights), name + "_se": sum(weights)**-0.5}
 
     def off(self, slab, lengths):
-        """(relative difference, error, total, alpha, angle) of the statistics from the reliefs of these lengths."""
+        """Yields (relative difference, error, total, alpha, angle) of the statistics from the reliefs of these lengths."""
         for angle, alpha, name in itertools.product(ANGLES, ALPHAS, JUDGED):
             relief = self.relief(slab, angle, alpha, name, lengths)
             if relief:
@@ -169,13 +174,13 @@ def per_cent(bias):
 
 
 def largest(off):
-    """The difference that is farthest from 0, in words."""
+    """Returns the difference farthest from 0, in words."""
     bias, error, name, alpha, angle = max(off, key=lambda one: abs(one[0]))
     return "%+.1f ± %.1f %% (%s, alpha %g, %d degrees)" % (100 * bias, 100 * error, name, alpha, angle)
 
 
 def sentences(result):
-    """The rule, in figures."""
+    """Yields sentences with the figures of the rule."""
     half = [length for length in LENGTHS if length <= 0.51 * FREE_PATH]
     for slab in SLABS:
         off = list(result.off(slab, half))
@@ -189,7 +194,7 @@ def sentences(result):
 
 
 def chi_squares(lobes, name):
-    """Chi square of the statistics against the shortest relief over the bins of lobes in which anything was seen, in words, by slab."""
+    """Yields, in words and by slab, chi square of the statistics against the shortest relief, over the bins of lobes with any light."""
     for slab, words in SHOWN.items():
         sides = [[row for row in lobes if row["slab"] == slab and row["method"] == method] for method in ("statistics", "relief")]
         pairs = [[(float(row[name]), float(row[name + "_se"])) for row in pair] for pair in zip(*sides)]
@@ -198,7 +203,7 @@ def chi_squares(lobes, name):
 
 
 def seconds(result, slab, angle, alpha):
-    """Core seconds of 1e6 packets: smooth, statistics, the shortest relief."""
+    """Returns core seconds of 1e6 packets: smooth, statistics, the shortest relief."""
     rows = (result.row(slab, angle, "smooth", alpha), result.row(slab, angle, "statistics", alpha),
             result.row(slab, angle, "relief", alpha, LENGTHS[0]))
     return ", ".join("%.1f" % float(row["core_s_per_1e6"]) for row in rows)
@@ -228,7 +233,7 @@ def table(header, rows, lobes):
 # ---- the picture
 
 def draw_lengths(axes, result, slab, angle):
-    """Bias of Rd over the length; statistics and smooth have none and stand at the sides."""
+    """Draws the bias of Rd over the length. Statistics and smooth faces have no length and stand at the sides."""
     for k, alpha in enumerate(ALPHAS):
         found = [(length / FREE_PATH, result.bias(slab, angle, alpha, "relief", "Rd", length)) for length in LENGTHS]
         found = [(x, *bias) for x, bias in found if bias]
@@ -244,7 +249,7 @@ def draw_lengths(axes, result, slab, angle):
 
 
 def draw_times(axes, result, slab, angle):
-    """Size of the bias over time; a bias below its error stands at its error, with a hollow mark."""
+    """Draws the size of the bias over time. A bias below its error stands at its error, with a hollow mark."""
     marks = [("smooth", "^", 0.0), ("statistics", "s", 0.0), *(("relief", "o", length) for length in LENGTHS[1:])]
     for (k, alpha), (method, mark, length) in itertools.product(enumerate(ALPHAS), marks):
         bias = result.bias(slab, angle, alpha, method, "Rd", length)
@@ -304,7 +309,7 @@ def main():
     arguments = parser.parse_args()
     picture.need(parser, "h5py", "matplotlib")
     with tempfile.TemporaryDirectory() as work:
-        rows, lobes = measure(shutil.copy(arguments.program, work), arguments.quick)  # nobody rebuilds it meanwhile
+        rows, lobes = measure(shutil.copy(arguments.program, work), arguments.quick)  # a copy, which nobody rebuilds meanwhile
     header = tables.machine(arguments.program, SEEDS) + [("load", "%.1f of %d cores" % (os.getloadavg()[1], os.cpu_count()))]
     csv = os.path.join(arguments.out, "roughness.csv")
     tables.write_csv(csv, header, rows)

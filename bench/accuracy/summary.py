@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
-"""The one chart of accuracy against speed, three scenes and at most six ways to fly each:
-    summary.py [--quick] [--program PATH] [--out DIR]
-by default of build/clustermcml into bench/out. Leaves summary.csv and, with matplotlib, summary.svg. A minute.
-    summary.py --draw CSV SVG
-draws a result again. bench/accuracy/README.md says how to read it.
+"""Draws one chart of accuracy against speed, with three scenes and at most six ways to fly each:
 
-x: core seconds to a standard error of 0.1 % of Rd; y: the bias of Rd against
-the `reference` engine (double precision, exact cones, or the whole mesh), from the same packets in 16 streams. How far that
-engine itself can be trusted, an independent program says: tests/reference/profiles for the shapes, MMC for the scan.
-What others take comes from results that were kept (bench/*/results): original MCML and MMC, per photon. Of the program of 2019 its
-printed curves are known, and no times.
+    summary.py [--quick] [--program PATH] [--out DIR]
+
+By default the program is build/clustermcml and DIR is bench/out. Leaves summary.csv and, with matplotlib, summary.svg. Takes a minute.
+
+    summary.py --draw CSV SVG
+
+draws a result again. bench/accuracy/README.md explains the chart.
+
+x: core seconds to a standard error of 0.1 % of Rd. y: the bias of Rd against the `reference` engine (double precision, exact cones, or the whole
+mesh), from the same packets in 16 streams. The reference engine itself is checked by an independent program: tests/reference/profiles for the
+shapes, MMC for the scan. Times of others, original MCML and MMC, come from stored results (bench/*/results), per photon. For the program of 2019
+only printed curves are known, no times.
+
 SPDX-License-Identifier: MIT
 """
 import concurrent.futures
@@ -35,7 +39,7 @@ from frontier_scenes import Method, Scene
 
 TRIANGLES = 10000
 CONE, WHOLE = ["--engine", "reference", "--boundaries", "cone"], ["--engine", "reference", "--tolerance", "1e-9"]
-PROFILE_PACKETS = 1e7  # of the independent program
+PROFILE_PACKETS = 1e7  # packets of the independent program
 FRONTIER, SPEED = "accuracy/results/frontier-amd-epyc-2core.csv", "speed/results/speed-amd-epyc-2core.csv"
 MMC = "peers/results/mmc-amd-epyc-2core.md"
 TITLES = {"lohill": "Radial hill, 0.1 cm high", "lonoise": "Random rings, +-0.05 cm", "scan": "Rough scan, pencil beam at one point"}
@@ -58,7 +62,7 @@ def shape_scene(shape):
 
 
 def write_heightmap(path):
-    """The rough top of the other benches as an ESRI grid: rows from the largest y down."""
+    """Writes the rough top of the other benches as an ESRI grid, whose rows run from the largest y down."""
     cells = round(math.sqrt(TRIANGLES / 2))
     _, grid = rough.heights(cells, float(cases.AMPLITUDE_A))
     with open(path, "w") as stream:
@@ -78,10 +82,10 @@ def scan_scene(work):
     return Scene("scan", path, None, methods, Method("truth", WHOLE))
 
 
-# ---- what others know
+# ---- results of other programs
 
 def independent(shape):
-    """(Rd, standard error) of the program behind tests/reference/profiles; at most that of as many packets of weight 1."""
+    """Returns (Rd, standard error) of the program behind tests/reference/profiles. The error is at most that of as many packets of weight 1."""
     rows = cases.rows_of("profiles/%s.reentry.csv" % shape)
     width = 2 * float(rows[0]["r_mid_cm"])
     Rd = sum(2 * math.pi * (int(row["bin"]) + 0.5) * width ** 2 * float(row["Rd_r_per_cm2"]) for row in rows)
@@ -89,7 +93,7 @@ def independent(shape):
 
 
 def printed_in_2019(shape):
-    """|bias| of the Rd that the report of 2019 printed, over the bins of its curve, against the same independent program."""
+    """Returns the |bias| of the Rd that the report of 2019 printed, over the bins of its curve, against the same independent program."""
     curve, known = ({int(row["bin"]): float(row["r_mid_cm"]) * float(row["Rd_r_per_cm2"]) for row in cases.rows_of(path)}
                     for path in (kept("accuracy/figures/%s-2019.csv" % shape), "profiles/%s.reentry.csv" % shape))
     both = curve.keys() & known.keys()
@@ -97,7 +101,7 @@ def printed_in_2019(shape):
 
 
 def mmc_row():
-    """(ratio of photons per second, relative difference of the absorbed share, its standard error) with 1e4 triangles."""
+    """Returns (ratio of photons per second, relative difference of the absorbed share, its standard error) for MMC with 1e4 triangles."""
     with open(kept(MMC)) as stream:
         cells = [re.findall(r"[-+0-9.e]+", cell) for cell in next(line for line in stream if line.startswith("| A | regular | 10082 ")).split("|")]
     ours, theirs = [float(word) for word in cells[8]], [float(word) for word in cells[9]]
@@ -105,7 +109,8 @@ def mmc_row():
 
 
 def mcml_ratio(scene):
-    """Time per photon of original MCML over ours, on the scene's media below planes, with its own roulette and random numbers."""
+    """Returns the ratio of original MCML's time per photon to this program's, on the scene's media below planes, with MCML's roulette and random
+    numbers."""
     if scene == "scan":
         row = next(row for row in tables.read_csv(kept(SPEED))[1] if row["case"] == "A" and row["mcml_to_ours"])
         return float(row["mcml_to_ours"])
@@ -126,7 +131,8 @@ def row_of(series):
 
 
 def rows_of_others(scene, rows):
-    """Original MCML has the plane's bias, MMC that of a total which both know; both draw at random."""
+    """Returns rows of other programs. Original MCML has the bias of the plane, MMC the bias of a total that both programs know. Both sample at
+    random."""
     plane = next(row for row in rows if row["method"] == "plane")
     others = [{**plane, "method": "original MCML", "s_Rd": mcml_ratio(scene) * plane["s_Rd_random"], "s_Rd_random": "",
                "from": SPEED if scene == "scan" else FRONTIER}]
@@ -139,7 +145,7 @@ def rows_of_others(scene, rows):
 
 
 def check_row(scene, truth):
-    """How far the reference engine is off what an independent program found: of Rd, or of A for MMC."""
+    """Returns the difference of the reference engine from an independent program: in Rd, or in A for MMC."""
     if scene == "scan":
         _, bias, error = mmc_row()
         bias, source = -bias, MMC
@@ -173,13 +179,13 @@ def measure(program, scenes, quick):
 # ---- the chart
 
 def shown_bias(row):
-    """(height of the mark, whether it is a limit): what noise hides stands at two standard errors, with an arrow."""
+    """Returns (height of the mark, True if it is a limit). A bias hidden by noise stands at two standard errors, with an arrow."""
     bias, error = abs(float(row["bias"])), float(row["bias_se"])
     return (max(2 * error, LEAST), True) if bias < 2 * error else (max(bias, LEAST), bias < LEAST)
 
 
 def merged(rows):
-    """Methods that cannot be told apart on the chart share a mark: auto is always one of the others, or nearly."""
+    """Returns places of marks. Methods that the chart cannot tell apart share a mark, because auto always nearly equals another method."""
     out = []
     for row in rows:
         x, (y, limit) = float(row["s_Rd"]), shown_bias(row)
@@ -210,7 +216,7 @@ def label_places(places):
 
 
 def panel(axes, rows, scene):
-    """One scene: every place a mark with its names; an arrow where a bias is at most so much."""
+    """Draws one scene. Every place is a mark with its names. An arrow says that a bias is at most as large."""
     check = next(row for row in rows if row["method"] == "independent")
     axes.axhspan(1e-10, abs(float(check["bias"])) + 2 * float(check["bias_se"]), color="#f0f0f0", linewidth=0)
     if scene != "scan":
@@ -227,7 +233,7 @@ def panel(axes, rows, scene):
 
 
 def draw(csv, target):
-    """Three panels, one below the other, to be read at half the width of a page: hence few marks and large letters."""
+    """Draws three panels, one below the other, to be read at half the width of a page: hence few marks and large letters."""
     rows, plt = tables.read_csv(csv)[1], picture.begin()
     figure = plt.figure(figsize=(5.83, 8.5))
     figure.text(0.02, 0.97, "Diffuse reflectance Rd: accuracy against speed", fontsize=13)
@@ -251,7 +257,7 @@ def main():
     arguments = parser.parse_args()
     begin = time.time()
     with tempfile.TemporaryDirectory() as work:
-        program = shutil.copy(arguments.program, work)  # nobody rebuilds it between two rounds
+        program = shutil.copy(arguments.program, work)  # a copy, which nobody rebuilds between two rounds
         scenes = [shape_scene("lohill"), shape_scene("lonoise"), scan_scene(work)]
         table, rounds = measure(program, scenes, arguments.quick)
     header = tables.machine(arguments.program, rounds)

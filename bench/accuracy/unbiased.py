@@ -1,13 +1,18 @@
 #!/usr/bin/env python3
-"""Are results unbiased, and their errors true?
+"""Tests if results are unbiased, and if their errors are true:
+
     unbiased.py [--runs N] [--photons N] [--reference N] [--scene NAME] [--build DIR] [--out DIR]
-Flies N (2000) independent runs of N (1e4) photons of S1 to S6a, three shapes and a rough scan, in build/, as the program
-does by default. Their means are compared with adding-doubling and with stored profiles where tests/reference has them,
-else with N (1e8) photons of random sampling and MCML's roulette. How often runs lie within one and two of their own
-errors is counted there and in as many runs of 1000 and 12345 photons. Leaves unbiased.md, a row a scene, unbiased-sizes.md, one of
-each size of runs, with the verdict, and a CSV of every scene in bench/out; exit code 1 when a mean or an error is wrong.
+
+Makes N (2000) independent runs of N (1e4) photons of S1 to S6a, three shapes and a rough scan, with the program in build/ and its defaults. Means
+are compared with adding-doubling and with stored profiles if tests/reference has them, else with N (1e8) photons of random sampling and MCML's
+roulette. The shares of runs within one and two of their own errors are counted there, and in as many runs of 1000 and 12345 photons. Leaves
+unbiased.md, a row per scene, unbiased-sizes.md, a row per size of runs, with the verdict, and a CSV of every scene in bench/out. Exit code 1 if a
+mean or an error is wrong.
+
     unbiased.py --table OUT
-only reads what was left in OUT.
+
+only reads the results in OUT.
+
 SPDX-License-Identifier: MIT
 """
 import csv
@@ -26,12 +31,12 @@ import tables
 
 SCENES = {**{name: cases.SCENES[name] for name in ("S1", "S2", "S3", "S4", "S5", "S6a")},
           **{name: f"samples/shapes/{name}.mci" for name in ("hihill", "hicrater", "lonoise")}, "scan": "samples/scan.mci"}
-OTHER_PHOTONS = (1000, 12345)  # of further runs, for the coverage of errors
+OTHER_PHOTONS = (1000, 12345)  # numbers of photons of further runs, for the coverage of errors
 STORED = ("S1", "S2", "S3")  # profiles of tests/reference, from 1.2e8 photons and more of original MCML's transport code
 STORED_DR, STORED_BINS = 0.005, 200
 LEVEL = 1e-4  # probability that honest results fail, for each of the two kinds of test
-PACKETS = 300  # in a run, below which a bin's error, from 64 batches, is not judged
-WITHIN = (0.679, 0.950)  # shares of Student deviates of 63 degrees of freedom within 1 and 2
+PACKETS = 300  # packets in a run below which a bin's error, from 64 batches, is not judged
+WITHIN = (0.679, 0.950)  # shares of Student deviates with 63 degrees of freedom within 1 and 2
 ALLOWED = (0.03, 0.02)
 
 
@@ -40,13 +45,13 @@ def sidak(tests, level=LEVEL):
 
 
 def tail_of_squares(squares, number, independent):
-    """Probability that `number` unit deviates worth `independent` ones have a larger sum of squares (Wilson-Hilferty)."""
+    """Returns the probability that `number` unit deviates, worth `independent` ones, have a larger sum of squares (Wilson-Hilferty)."""
     spread = 2 / (9 * independent)
     return statistics.NormalDist().cdf(-((squares / number) ** (1 / 3) - 1 + spread) / math.sqrt(spread))
 
 
 def write_scene(name, work):
-    """The sample with at least 20 depth bins and with 10 angle bins, in whatever folder."""
+    """Writes the sample with at least 20 depth bins and with 10 angle bins, into any folder."""
     source = os.path.join(cases.ROOT, SCENES[name])
     lines = [line.replace('m "', f'm "{os.path.dirname(source)}/') for line in cases.lines_of(source)]
     (dz, dr), (nz, nr, _) = (lines[i].split() for i in (4, 5))
@@ -59,7 +64,7 @@ def write_scene(name, work):
 
 
 def put_stored(name, rows):
-    """Radial profiles of tests/reference in place of those flown here, as weight per packet."""
+    """Puts radial profiles of tests/reference, as weight per packet, in place of those simulated here."""
     table = cases.rows_of(f"profiles/{name}.csv")
     rings = [2 * math.pi * (i + 0.5) * STORED_DR**2 for i in range(STORED_BINS)]
     for row in rows:
@@ -71,7 +76,7 @@ def put_stored(name, rows):
 
 
 def fly(program, path, runs, photons, reference):
-    """Rows of bench_unbiased; numbers but for the first column, None where a column is empty."""
+    """Returns rows of bench_unbiased: numbers except for the first column, None in empty columns."""
     done = subprocess.run([program, path, str(runs), str(photons), str(reference)], capture_output=True, text=True,
                           check=False)
     if done.returncode:
@@ -81,13 +86,13 @@ def fly(program, path, runs, photons, reference):
 
 
 def score(row):
-    """Deviate of a row against its reference."""
+    """Returns the deviate of a row against its reference."""
     spread = math.hypot(row["mean_error"], row["reference_error"])
     return (row["mean"] - row["reference"]) / spread if spread > 0 else 0.0
 
 
 def fly_scene(name, program, out, runs, photons, reference):
-    """Leaves the rows of all runs of a scene in OUT, with the best reference there is."""
+    """Writes the rows of all runs of a scene into OUT, with the best available reference."""
     path = write_scene(name, out)
     exact = cases.exact_of(cases.lines_of(path)) or {}
     rows = []
@@ -106,7 +111,7 @@ def fly_scene(name, program, out, runs, photons, reference):
 
 
 def judge_means(rows):
-    """Cells of a scene for the table, and whether all means agree with the reference."""
+    """Returns cells of a scene for the table, and True if all means agree with the reference."""
     judged = [row for row in rows if row["referred"] and row["mean_error"] > 0]
     worst = max(judged, key=lambda row: abs(score(row)))
     tails = {}
@@ -129,8 +134,8 @@ def spread_of(shares):
 
 
 def judge_errors(rows):
-    """Cells for runs of one size: a short one, those of the long table; and whether errors are true. One of many shares
-    may be off by chance: three of its own standard deviations more than their mean."""
+    """Returns cells for runs of one size: the short cell, those of the long table, and True if errors are true. A single share may be off by
+    chance: by three of its own standard deviations more than the mean."""
     good, cells, every = True, [], []
     for profile in (False, True):
         kind = [row for row in rows if row["reported"] is not None and row["packets"] >= PACKETS
@@ -154,7 +159,7 @@ def read_scene(out, name):
 
 
 def judged(out, names):
-    """Lines of the short table and of the long one, and what failed."""
+    """Returns lines of the short table and of the long one, and the names of failures."""
     short, long, failed = [], [], []
     for name in names:
         rows = read_scene(out, name)
@@ -171,7 +176,7 @@ def judged(out, names):
 
 
 def judge(out, names=SCENES):
-    """Of those that were left in OUT."""
+    """Judges the scenes whose results are in OUT."""
     names = [name for name in names if os.path.exists(os.path.join(out, f"unbiased-{name}.csv"))]
     first, second, failed = judged(out, names)
     rows = read_scene(out, names[0])

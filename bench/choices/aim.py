@@ -1,18 +1,19 @@
 #!/usr/bin/env python3
-"""What does --aim gain? aim.py [--runs N] [--photons N] [--only SCENE,...] [--program PATH] [--out DIR]
+"""Measures the gain of --aim: aim.py [--runs N] [--photons N] [--only SCENE,...] [--program PATH] [--out DIR]
 
-Flies each scene N times with and without --aim Tt, in turns, on one thread: tops and inner boundaries that are rough, so
-that light goes down into flat layers from above, under a beam of 0.3 cm; and bottoms that are, where packets are split on
-their way instead. Fibres far from a pencil are aimed at by name; their counted error is that of the ring of the same width on which they
-lie, less the ratio of areas and what their aperture leaves of the light in an aimed flight, for of the fibre a plain flight would see a
-packet or none. The gain in time to the same error is the mean
-square of the counted errors over that of the expected ones (of those counted in windows), times the processor time of the flight without over that
-with; of rare light the counted error is that of few packets, which makes its gain known to some tens of percent. Through the
-thickest slab plain flights see none: of rare light the variance of what a photon brings is its share times the mean weight, by weight, of
-what arrives, and roulette makes that the same at all depths that little light reaches: it is measured behind a thinner slab. Errors
-of Tt(r) are those of ten bins, added up as squares. Beside
-it stand what plan says of windows, what comes before the flight, in seconds of a processor, and how far expected and counted values are
-apart, in errors of the difference. Leaves aim.md in DIR. SPDX-License-Identifier: MIT
+Each scene is simulated N times with and without --aim Tt, in turns, on one thread, under a beam of 0.3 cm. In some scenes the top or an inner
+boundary is rough, and light goes down into flat layers. In others the bottom is rough, and packets are split on their way instead. Fibres far from
+a pencil are aimed at by name. A plain flight would see a packet or none in such a fibre. Its counted error is therefore that of the ring of equal
+width on which the fibre lies, reduced by the ratio of areas and by the share of light that its aperture accepts in an aimed flight.
+
+The gain in time to equal error is the mean square of the counted errors over that of the expected ones (of counted ones, in windows), times the
+ratio of processor times. For rare light, the counted error comes from few packets, which makes its gain uncertain by some tens of percent. Through
+the thickest slab, plain flights see no light. There the variance of a photon's contribution is its share times the mean weight, by weight, of
+arriving packets. Roulette makes this weight equal at all depths that little light reaches, so that it is measured behind a thinner slab. Errors of
+Tt(r) are those of ten bins, added as squares. Further columns: the gain of windows that `plan` predicts, processor seconds before the flight, and
+the difference between expected and counted values in units of its error. Leaves aim.md in DIR.
+
+SPDX-License-Identifier: MIT
 """
 import json
 import math
@@ -40,8 +41,7 @@ FIBRES = {
     "skin7 fibre of 0.01 at 1 cm": ("S5", "0.0009", 0.01, 1.0, "", 1),
     "skin7 fibre of 0.02 at 0.3 cm, 0.22": ("S5", "0.0009", 0.02, 0.3, "na=0.22", 1),
 }
-# name: medium or layers, boundary that is rough, amplitude of a mesh [cm] or a line, photons in units of --photons, layer
-# whose absorption is shown
+# name: medium or layers, boundary that is rough, amplitude of a mesh [cm] or a line, photons in units of --photons, layer whose absorption is shown
 SCENES = {
     "S6a rough top": ("S6a", 0, "0.018", 1, None),
     "skin7 rough top": ("S5", 0, "0.0009", 1, 7),
@@ -54,13 +54,13 @@ SCENES = {
     "slab 3.2 cm rough bottom": ("1.4 0.5 100 0.9 3.2", 1, "0.018", 4, None),
     "slab 4.95 cm rough bottom": ("1.4 0.5 100 0.9 4.95", 1, "0.018", 4, None),
 }
-# name: the scene in whose place plain flights show what those that arrive weigh
+# name: a thinner scene, whose plain flights show the weight of arriving packets
 THINNER = {"slab 4.95 cm rough bottom": "slab 3.2 cm rough bottom"}
 DR, NR = 0.5, 10
 
 
 def scene_of(name):
-    """Medium, boundary that is rough, how, photons, and the lines for light and detectors."""
+    """Returns medium, rough boundary, its shape, photons in units of --photons, and lines for light and detectors."""
     if name in SCENES:
         return *SCENES[name][:4], ["beam disk 0.3"]
     medium, rough, size, away, aperture, factor = FIBRES[name]
@@ -70,7 +70,7 @@ def scene_of(name):
 
 
 def write(name, folder):
-    """The scene's file, on a coarse grid, and its photons in units of --photons."""
+    """Writes the scene's file with a coarse grid. Returns its path, and its photons in units of --photons."""
     medium, boundary, rough, factor, extra = scene_of(name)
     lines = cases.data_lines(medium) if " " not in medium else [
         "1.0", "1", "x.mco A", "1000", "0.1 0.1", "1 1 1", "1", "1.0", medium, "1.0"]
@@ -86,7 +86,7 @@ def write(name, folder):
 
 
 def processor():
-    """Seconds of all programs that were called."""
+    """Returns the processor seconds of all programs called so far."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -100,7 +100,7 @@ def fly(program, path, photons, seed, *options):
 
 
 def error_of_profile(path):
-    """Of the light in all bins of Tt(r)."""
+    """Returns the error of the light in all bins of Tt(r)."""
     with open(path, encoding="utf-8") as file:
         text = file.read()
     errors = text[text.index("\nse_Tt_r"):].split("\n")[2:2 + NR]
@@ -108,7 +108,7 @@ def error_of_profile(path):
 
 
 def planned(program, path, aim):
-    """The gain of windows that plan says."""
+    """Returns the gain of windows that `plan` predicts."""
     done = subprocess.run([program, "plan", path, "--photons", "64", "--threads", "1", "--json"], stdout=subprocess.PIPE, check=True)
     return json.loads(done.stdout)["gains"].get(aim)
 
@@ -122,12 +122,12 @@ def mean_error(records, key):
 
 
 def gain(plain, aimed, key, other, pace, share=1):
-    """In time to the same error of `key`; share: of what is counted as `other`, that lies there."""
+    """Returns the gain in time to equal error of `key`. share: the part of the light counted as `other` that belongs to `key`."""
     return share * square(plain, other + "_se") / square(aimed, key + "_se") * pace
 
 
 def share_of(name, aimed):
-    """Of what is counted beside it, what comes to a fibre."""
+    """Returns the share of a ring's light that comes to the fibre on it."""
     if name not in FIBRES:
         return 1
     accepted = sum(record["detector_fibre"] for record in aimed) / sum(record["detector_open"] for record in aimed)
@@ -135,7 +135,7 @@ def share_of(name, aimed):
 
 
 def expect_errors(plain, aimed, name, arguments, folder):
-    """Those of plain flights that see nothing, of Tt and Tt(r), by the weights of a thinner scene."""
+    """Sets the errors of Tt and Tt(r) of plain flights that see nothing, from the weights of a thinner scene."""
     path, factor = write(name, folder)
     thinner = [fly(arguments.program, path, factor * arguments.photons, seed) for seed in range(1, arguments.runs + 1)]
     weight = statistics.fmean(r["photons"] * r["Tt_se"] ** 2 for r in thinner) / statistics.fmean(r["Tt"] for r in thinner)

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Does the lattice serve every beam, and are the errors true? lights.py [--runs N] [--only BEAM,...] [--program PATH] [--out DIR]
+"""Tests if the lattice suits every beam, and if errors are true: lights.py [--runs N] [--only BEAM,...] [--program PATH] [--out DIR]
 
-Flies independent runs of every shape and light of BEAMS over a thin flat slab and over a hill, with lattice sampling, and compares the
-spread of the runs with two things: with the errors that the runs state, and with the errors of 24 runs of 16384 photons with random
-sampling, whose variance falls as 1 / photons. Ratios are means over all numbers of a kind with 20 packets or more, and their noise comes
-from leaving out one run after the other. All runs are flown up to 4096 photons, fewer of more, 12 at least. Leaves lights.csv in DIR with
-a row for each beam, scene, number of photons and kind, and lights.md with two tables: by kind and number of photons, the ratios of all
-beams together; and by beam, of the ratios that differ from 1 most surely the least and the largest. Needs numpy and h5py (Debian:
-python3-numpy, python3-h5py).
+Independent runs of every shape and light of BEAMS over a thin flat slab and over a hill are made with lattice sampling. The spread of the runs is
+compared with the errors that the runs state, and with the errors of 24 runs of 16384 photons with random sampling, whose variance falls as 1 /
+photons. Ratios are means over all numbers of a kind with 20 packets or more. Their noise comes from leaving out one run after the other. Up to 4096
+photons, all runs are made; with more photons there are fewer runs, at least 12.
+
+Leaves lights.csv in DIR, with a row for each beam, scene, number of photons and kind, and lights.md with two tables. The first has the ratios of
+all beams together, by kind and number of photons. The second has, by beam, the least and the largest of the ratios that differ from 1 most surely.
+Needs numpy and h5py (Debian: python3-numpy, python3-h5py).
+
 SPDX-License-Identifier: MIT
 """
 import importlib.util
@@ -37,13 +39,13 @@ SCORED = ["map 8 8 0.1 0.1 volume", "facets", "directions 6 12", "fluence", "tim
 KINDS = {"totals": ("Rd", "Tt", "A"), "profiles": ("A_z", "Rd_r", "Tt_r", "Rd_a", "Tt_a"), "grids": ("A_rz", "Rd_ra", "Tt_ra"),
          "pixels": ("Rd_xy", "Tt_xy", "detector_camera_map"), "directions": ("Rd_dir", "Tt_dir"),
          "facets": ("boundary0_Rd", "boundary1_Tt", "boundary0_exitance_above"), "volume": ("A_xyz", "phi_rz", "phi_xyz"), "gates": ("Rd_t", "Tt_t")}
-FEW, LEAST = 4096, 12  # photons up to which all runs are flown; runs of any number of photons
+FEW, LEAST = 4096, 12  # photons up to which all runs are made; least number of runs
 REFERENCE_PHOTONS, REFERENCE_RUNS, PACKETS = 16384, 24, 20
 SPREAD, VARIANCE, NOISE = "spread over error", "variance over random's", "noise of "
 
 
 class Numbers:
-    """A kind's numbers [run][number] with their stated errors."""
+    """The numbers of a kind, [run][number], with their stated errors."""
 
     def __init__(self, values, errors):
         self.values, self.squares = values, errors ** 2
@@ -51,7 +53,7 @@ class Numbers:
         self.count = (self.stated > 0) & (values.mean(0) ** 2 > PACKETS * self.stated)
 
     def ratios(self, chosen, expected):
-        """{SPREAD, VARIANCE: ratio; NOISE + both: its standard error} of the chosen numbers, whose variance is expected to be so."""
+        """Returns {SPREAD, VARIANCE: ratio; NOISE + both: its standard error} of the chosen numbers. expected: their expected variance."""
         import numpy
         runs = len(self.values)
 
@@ -64,7 +66,7 @@ class Numbers:
 
 
 def fly(scene, beam, photons, runs, sampling):
-    """{kind: Numbers} of independent runs."""
+    """Returns {kind: Numbers} of independent runs."""
     import h5py
     import numpy
     found = {kind: ([], []) for kind in KINDS}
@@ -93,13 +95,13 @@ def rows_of(beam, runs):
 
 
 def together(rows, key):
-    """The mean of a ratio over rows, with its noise."""
+    """Returns the mean of a ratio over rows, with its noise."""
     mean = sum(row[key] for row in rows) / len(rows)
     return "%.2f(%.0f)" % (mean, 100 * math.sqrt(sum(row[NOISE + key] ** 2 for row in rows)) / len(rows))
 
 
 def by_kind(rows, key):
-    """A table: of all beams together, kinds by scenes and photons."""
+    """Returns a table of all beams together: kinds by scenes and photons."""
     places = [(scene, photons) for scene, (_, counts) in SCENES.items() for photons in counts]
     lines = []
     for kind in KINDS:

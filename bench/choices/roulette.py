@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Which roulette? The measurement by which its default was chosen: roulette.py [--rounds N] [--only SCENE,...]
-[--program PATH] [--out DIR]
+"""Measures roulette rules, for the choice of the default: roulette.py [--rounds N] [--only SCENE,...] [--program PATH] [--out DIR]
 
-Flies S1 to S6b, the seven shapes and a thick absorber with MCML's rule and with windows WR,WS, and compares their figures
-of merit, 1 / (variance x cost), with MCML's: of Rd, Tt and A; of each profile, the geometric mean over its bins with a
-relative error below one half, the last bin (with all that lies beyond) left out; and of the deepest quarter of these
-bins of A(z). Variances are the squares of printed standard errors, means over the rounds, which differ in their seeds; in a
-round all rules fly the same seed, one after the other. Cost is steps, the same on every machine; beside them stands the
-processor time, the median over rounds of its ratio to MCML's. Leaves roulette-scenes.md in DIR, and roulette.md: the least figure of every window (by
-either cost), and the largest window that, counted in steps, loses no tenth of any figure. The outermost quarters of the
-bins of Rd(r) and Tt(r) are printed, not judged.
+S1 to S6b, the seven shapes and a thick absorber are simulated with MCML's rule and with windows WR,WS. Figures of merit, 1 / (variance x cost), are
+compared with MCML's: for Rd, Tt and A; for each profile, as the geometric mean over its bins with a relative error below one half, without the last
+bin (with all light beyond); and for the deepest quarter of these bins of A(z). Variances are squares of printed standard errors, averaged over the
+rounds, which differ in their seeds. In a round all rules use the same seed, one after the other. Cost is steps, equal on every machine. Beside it
+stands the processor time, as the median over rounds of its ratio to MCML's.
+
+Leaves roulette-scenes.md and roulette.md in DIR. roulette.md has the least figure of every window (by either cost), and the largest window that,
+counted in steps, loses no tenth of any figure. The outermost quarters of the bins of Rd(r) and Tt(r) are printed but not judged.
+
 SPDX-License-Identifier: MIT
 """
 import math
@@ -32,18 +32,18 @@ WINDOWS = ("0.003,0.01", "0.01,0.03", "0.03,0.1", "0.1,0.3")
 SHAPES = ("hihill", "hicrater", "hinoise", "lohill", "locrater", "lonoise", "flat50")
 SCENES = {name: path for name, path in cases.SCENES.items() if name != "A"}
 SCENES.update({name: "samples/shapes/%s.mci" % name for name in SHAPES}, absorber="bench/lib/scenes/absorber.mci")
-STEPS, STEPS_CURVED = 5e7, 1e7  # of a run; a step near a curved boundary takes longer
+STEPS, STEPS_CURVED = 5e7, 1e7  # steps of a run; a step near a curved boundary takes longer
 PILOT = 1000
 TOTALS, PROFILES = ("Rd", "Tt", "A"), ("A_z", "Rd_r", "Tt_r", "Rd_a", "Tt_a")
 END = {"A_z": "deep A_z", "Rd_r": "outer Rd_r", "Tt_r": "outer Tt_r"}  # the last quarter of a profile's bins
 UNJUDGED = (END["Rd_r"], END["Tt_r"])
 COLUMNS = TOTALS + ("A_z", END["A_z"], "Rd_r", END["Rd_r"], "Tt_r", END["Tt_r"])
 LEAST_BINS = 4
-KEPT = 0.9  # of a figure
+KEPT = 0.9  # least share of a figure that a window must keep
 
 
 class Rule:
-    """What a scene gave under one rule: lists with an entry per round."""
+    """The results of a scene under one rule: lists with an entry per round."""
 
     def __init__(self):
         self.steps, self.cpu, self.variances, self.means = [], [], {}, {}
@@ -66,14 +66,14 @@ class Rule:
 
 
 def fly(program, scene, rule, photons, seed, folder):
-    """(record, profiles) of one run on one thread."""
+    """Returns (record, profiles) of one run on one thread."""
     (record,) = runs.records([program, os.path.join(cases.ROOT, SCENES[scene]), "--roulette", rule, "--photons", str(photons),
                               "--seed", str(seed), "--threads", "1", "--json", "--quiet", "-o", folder])
     return record, cml.read_sections(record["files"][0])
 
 
 def measure(program, scene, rounds):
-    """{rule: Rule}."""
+    """Returns {rule: Rule} of a scene."""
     rules = {name: Rule() for name in (MCML,) + WINDOWS}
     with tempfile.TemporaryDirectory() as folder:
         pilot, _ = fly(program, scene, MCML, PILOT, 1, folder)
@@ -86,7 +86,7 @@ def measure(program, scene, rounds):
 
 
 def bins_that_count(rule, key):
-    """Bins of a profile but the last with a relative error below one half."""
+    """Returns the bins of a profile with a relative error below one half, without the last bin."""
     pairs = list(zip(rule.variance(key), rule.mean(key)))[:-1]
     return [i for i, (variance, mean) in enumerate(pairs) if 0 < variance < (mean / 2) ** 2]
 
@@ -96,7 +96,7 @@ def geometric_mean(values):
 
 
 def figures(mcml, rule):
-    """{name: figure of merit over MCML's}, of what is not 0."""
+    """Returns {name: figure of merit over MCML's} of numbers that are not 0."""
     cheaper, found = sum(mcml.steps) / sum(rule.steps), {}
     for key in TOTALS:
         (before,), (after,) = mcml.variance(key), rule.variance(key)
@@ -113,7 +113,7 @@ def figures(mcml, rule):
 
 
 def costs(mcml, rule):
-    """Steps and processor time over MCML's."""
+    """Returns the ratios of steps and of processor time to MCML's."""
     return (sum(rule.steps) / sum(mcml.steps),
             statistics.median(ours / theirs for ours, theirs in zip(rule.cpu, mcml.cpu)))
 
@@ -123,7 +123,7 @@ def row(scene, name, steps, time, found):
 
 
 def verdict(all_found):
-    """all_found: {window: [(figure, figure by time, scene, name)]}. Lines of the second table and of what follows from it."""
+    """Returns the lines of the second table and of its conclusion. all_found: {window: [(figure, figure by time, scene, name)]}."""
     rows, chosen = [], "none"
     for window, found in all_found.items():
         least, by_time = min(found), min(found, key=lambda one: one[1])

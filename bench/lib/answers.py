@@ -1,5 +1,5 @@
-"""The table of the top README: each question of the benches with its answer, one number from a result that was kept, its command
-and its figure. answers.py README.md writes it there.
+"""Writes the table of the top README: answers.py README.md. Each question of the benches has its answer, one number from a stored result, its
+command and its figure.
 
 SPDX-License-Identifier: MIT
 """
@@ -19,7 +19,7 @@ def rows(path, **wanted):
 
 
 def cells(path, *first):
-    """The cells of the row of a table in a text that begins with these words."""
+    """Returns the cells of the row of a table in a text file that begins with these words."""
     with open(kept(path), encoding="utf-8") as stream:
         found = [line.strip().strip("|").split("|") for line in stream if line.startswith("| " + " | ".join(first) + " |")]
     return [cell.strip() for cell in found[0]]
@@ -35,27 +35,27 @@ def efficiency(ranks):
 
 
 def reading(path, pattern):
-    """A number of the sentences that a script wrote into a README."""
+    """Returns a number from the sentences that a script wrote into a README."""
     with open(kept(path), encoding="utf-8") as stream:
         return re.search(pattern, stream.read())[1]
 
 
 def worst_z(path):
-    """(numbers that were compared, the largest deviate) of a table of unbiased.py."""
+    """Returns (numbers that were compared, the largest deviate) of a table of unbiased.py."""
     with open(kept(path), encoding="utf-8") as stream:
         scenes = [line.split("|") for line in stream if re.match(r"\| \w+ \| (yes)? *\|", line)]
     return sum(int(scene[3]) for scene in scenes), max(abs(float(scene[5].split()[0])) for scene in scenes)
 
 
 def farthest(path, columns):
-    """(rows of a table, the deviate of each of these columns that is farthest from 0)."""
+    """Returns (rows of a table, for each of these columns the deviate farthest from 0)."""
     with open(kept(path), encoding="utf-8") as stream:
         table = [line.strip().strip("|").split("|") for line in stream if line.startswith("| ")][1:]
     return len(table), *("%.1f" % max(abs(float(row[column])) for row in table) for column in columns)
 
 
 def roughness():
-    """By how much statistics (root mean square) and smooth faces (worst) are off, n 1.5 in air."""
+    """Returns the errors, for n 1.5 in air, of rough faces by statistics (root mean square) and of smooth faces (worst)."""
     return tuple(reading("accuracy/results/roughness.md", r"n 1\.5 in air, " + pattern) for pattern in (
         r"statistics against the mean of .* by ([\d.]+) %", r"smooth faces: .* ([\d.]+) % at alpha 0\.5"))
 
@@ -68,7 +68,7 @@ def natural_events():
 
 
 def times_mmc(top, triangles):
-    """Below a top of scene A."""
+    """Returns how many times as fast as MMC the program is below a top of scene A."""
     with open(kept("peers/results/mmc-amd-epyc-2core.md"), encoding="utf-8") as stream:
         found = [line.strip("| \n").split(" | ") for line in stream if line.startswith("| A | %s | %s |" % (top, triangles))]
     return found[0][6].split()[0]
@@ -78,7 +78,7 @@ LIGHT = "speed/results/light-amd-epyc-2core.md"
 
 
 def answers():
-    """(question, answer, command, minutes, figure)"""
+    """Yields (question, answer, command, minutes, figure)."""
     yield ("How fast is it?", "%.0f times original MCML (S6a, one thread)" % speed("S6a", "mcml_to_ours"),
            "python3 bench/speed/speed.py", "9", "speed/results/speed-amd-epyc-2core.svg")
     yield ("What does a rough mesh cost?", "%.1f times a plane's step (S6a, 1e5 triangles)" % speed("S6a-rough-1e5", "to_flat"),

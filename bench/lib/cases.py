@@ -1,4 +1,4 @@
-"""The scenes of the bench: which there are, their .mci files, and the values that others found for them.
+"""The scenes of the bench: their names, their .mci files, and independent values for them.
 
 SPDX-License-Identifier: MIT
 """
@@ -22,35 +22,35 @@ SCENES = {
     "S6b": "bench/lib/scenes/S6b.mci",
     "A": "bench/lib/scenes/A.mci",
 }
-AMPLITUDE = "0.018"  # of rough tops and rings [cm]
+AMPLITUDE = "0.018"  # largest height of rough tops and rings [cm]
 AMPLITUDE_A = "0.03"
-SEARCHED = "3e5"  # triangles of the rough top that is flown with Embree as well
+SEARCHED = "3e5"  # triangles of the rough top that is also searched with Embree
 IRREGULAR = {"moved": ("1e4", "1e5", "1e6"), "kept": ("1e4", "1e5", "1e6"), "spiked": ("1e5",)}  # kinds of rough.py
 OVERHANGING = ("cave", "mushrooms")  # kinds of rough.py
-QUICK = "1e5"  # triangles of the irregular tops of --quick, and of those of A
+QUICK = "1e5"  # triangles of the irregular tops of --quick, and of those of scene A
 RINGS = (1, 10, 50, 200, 1000)
 TWO_THREADS = ("S6a", "S6a-rough-1e5", "S6a-moved-1e5", "S6a-kept-1e5", "S6a-rings-50-cone")
-ABOVE = 7  # the index above, of the lines that are neither comment nor blank; the first layer follows
+ABOVE = 7  # line of the index above, among lines that are neither comment nor blank; the first layer follows
 
 
 class Case:
-    """One row of the result: a scene file, options for the program, and what was measured."""
+    """One row of the result: a scene file, options for the program, and the measured runs."""
 
     def __init__(self, name, medium, surface, path, options=(), threads=1, mesh=None, grid=None):
         self.name, self.medium, self.surface, self.path = name, medium, surface, path
         self.options, self.threads = list(options), threads
         self.mesh = mesh  # path of a rough top
-        self.grid = grid  # name of the case with a regular grid, which an irregular top is compared with
+        self.grid = grid  # name of the case with a regular grid, with which an irregular top is compared
         self.photons = self.mcml_photons = self.mcml_start = self.mcml_disturbed = 0
         self.runs, self.mcml_runs = [], []
 
     def two(self):
-        """The same on two threads."""
+        """Returns this case on two threads."""
         return Case(self.name, self.medium, self.surface, self.path, self.options, 2, self.mesh, self.grid)
 
 
 def lines_of(path):
-    """The lines of a scene of ROOT without comments: what every program reads in the same way."""
+    """Returns the lines of a scene of ROOT without comments, which every program reads in the same way."""
     with open(os.path.join(ROOT, path), encoding="utf-8") as stream:
         lines = [line.split("#")[0].strip() for line in stream]
     return [line for line in lines if line]
@@ -65,7 +65,7 @@ def data_lines(medium):
 
 
 def write_scene(medium, path, photons=None, surface=None):
-    """A copy of a flat scene, with a surface line for its top and another number of photons."""
+    """Writes a copy of a flat scene, with a surface line for its top and another number of photons."""
     lines = data_lines(medium)
     if photons:
         lines[3] = str(photons)
@@ -80,7 +80,7 @@ def make_surface(kind, number, amplitude, path):
 
 
 def top_case(medium, kind, number, amplitude, work):
-    """Below a rough mesh of rough.py; the regular grid is called rough."""
+    """Returns the case of a medium below a rough mesh of rough.py. The regular grid is called rough."""
     top = "rough" if kind == "mesh" else kind
     mesh = os.path.join(work, "%s-%s-%s.obj" % (top, number, amplitude))
     if not os.path.exists(mesh):
@@ -102,7 +102,7 @@ def rough_cases(medium, numbers, amplitude, work):
 
 
 def searched(case):
-    """The same with Embree, where the program would walk."""
+    """Returns this case with Embree in place of the walk over cells."""
     return Case(case.name + "-embree", case.medium, "searched", case.path, ["--mesh-search", "embree"], grid=case.grid)
 
 
@@ -113,7 +113,7 @@ def irregular_cases(medium, amplitude, work, quick):
 
 
 def overhang_case(medium, work):
-    """Below a mesh of meshes/ that is mostly flat."""
+    """Returns the case of a medium below a mesh of meshes/ that is mostly flat."""
     name, mesh = medium + "-overhang", os.path.join(ROOT, "meshes", "overhang.obj")
     path = os.path.join(work, name + ".mci")
     write_scene(medium, path, surface='m "%s"' % mesh)
@@ -121,12 +121,12 @@ def overhang_case(medium, work):
 
 
 def overhanging_cases(medium, work):
-    """What only Embree can search."""
+    """Returns the cases that only Embree can search."""
     return [top_case(medium, kind, QUICK, AMPLITUDE, work) for kind in OVERHANGING] + [overhang_case(medium, work)]
 
 
 def level_case(medium, work):
-    """A mesh without any height, flown as one: what a mesh costs before its shape does."""
+    """Returns the case of a flat mesh that is treated as a mesh. It shows the cost of a mesh without a shape."""
     name, obj = medium + "-level-mesh", "level.obj"
     make_surface("mesh", 8, "0", os.path.join(work, obj))
     path = os.path.join(work, name + ".mci")
@@ -148,7 +148,7 @@ def ring_cases(medium, work):
 
 
 def all_cases(work, quick):
-    """Grouped by medium, the flat scene first, so that what is divided by it runs soon after."""
+    """Returns all cases, grouped by medium. The flat scene comes first, so that it runs close to the cases that are divided by it."""
     numbers = ["1e3", "1e4", "1e5", "3e5"] + ([] if quick else ["1e6"])
     cases = []
     for medium in SCENES:
@@ -169,14 +169,14 @@ def all_cases(work, quick):
 
 
 def beside_grids(all_of_them):
-    """Of these cases the tops that are compared with a regular grid, those grids, and the flat scenes below them."""
+    """Returns the tops that are compared with a regular grid, those grids, and the flat scenes of their media."""
     tops = [case for case in all_of_them if case.grid or case.surface == "overhang"]
     wanted = {case.grid for case in tops} | {case.medium for case in tops} | {case.name for case in tops}
     return [case for case in all_of_them if case.name in wanted]
 
 
 def rows_of(name):
-    """The rows of a CSV file of tests/reference, without the comments above its header; {} of column to text."""
+    """Returns the rows of a CSV file of tests/reference as {column: text}, without the comments above its header."""
     path = os.path.join(REFERENCE, name)
     if not os.path.exists(path):
         return []
@@ -185,13 +185,13 @@ def rows_of(name):
 
 
 def totals_of(row, specular):
-    """Rd, A, Tt from total reflectance and transmittance, which hold specular and unscattered light."""
+    """Returns Rd, A and Tt from total reflectance and transmittance, which include specular and unscattered light."""
     reflected, transmitted = float(row["UR1"]), float(row["UT1"])
     return {"Rd": reflected - specular, "A": 1 - reflected - transmitted, "Tt": transmitted}
 
 
 def exact_of(lines):
-    """Rd, A, Tt of the data lines of a flat scene from adding-doubling (error below 1e-6, without this program), or None."""
+    """Returns Rd, A, Tt of a flat scene, given by its data lines, from adding-doubling (error below 1e-6, without this program), or None."""
     try:
         layers = [[float(word) for word in line.split()] for line in lines[ABOVE + 1:-1]]
     except ValueError:
@@ -212,6 +212,6 @@ def exact(medium):
 
 
 def reference(medium):
-    """Its Rd, or None."""
+    """Returns the independent Rd of a medium, or None."""
     known = exact(medium)
     return known and known["Rd"]

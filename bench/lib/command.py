@@ -1,5 +1,4 @@
-"""What the programs of bench ask of a command line: one line to standard error and exit code 2 for whatever is wrong before anything
-is measured.
+"""The command line of the bench programs. Any mistake is reported in one line on standard error, with exit code 2, before anything is measured.
 
 SPDX-License-Identifier: MIT
 """
@@ -14,14 +13,14 @@ import picture
 
 
 class Parser(argparse.ArgumentParser):
-    """Says in one line what is wrong."""
+    """A parser that reports a mistake in one line."""
 
     def error(self, message):
         self.exit(2, "%s: %s (--help lists the options)\n" % (self.prog, message))
 
 
 def number(text):
-    """An option that counts or measures, like 7, 0.5 or 1e7."""
+    """Returns the value of an option that counts or measures, such as 7, 0.5 or 1e7."""
     try:
         value = float(text)
     except ValueError:
@@ -38,7 +37,7 @@ def count(text):
 
 
 def built(path):
-    """A program, from wherever it is started later."""
+    """Returns the absolute path of a program, which may later be started from any folder."""
     if not (os.path.isfile(path) and os.access(path, os.X_OK)):
         raise argparse.ArgumentTypeError("%s is no program: build it first" % path)
     return os.path.abspath(path)
@@ -63,8 +62,10 @@ def at_least(least):
 
 
 def parser(text, flags="", place=PROGRAM, **counts):
-    """With --help and --out, an option for what is measured, `place`, by its name, check and default, the flags, and an option for
-    each count with its default, or (default, least that is allowed); a default that is no integer makes a measure."""
+    """Returns a parser with --help, --out, an option for the measured program, the flags, and an option for each count.
+
+    place: name, check and default of the option for the program. counts: the default, or (default, least allowed value); a default that is no
+    integer makes a measure."""
     made = Parser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("--" + place[0], type=place[1], default=place[2])
     made.add_argument("--out", default=os.path.join(cases.BENCH, "out"))
@@ -77,8 +78,8 @@ def parser(text, flags="", place=PROGRAM, **counts):
 
 
 def instead(made, option, words, do, *modules):
-    """Adds an option that stands alone, with these words, a result the first of them: `do` is called with them in place of a
-    measurement. It needs the modules of Python."""
+    """Adds an option that stands alone: `do` is called with its words in place of a measurement. The first word is a result. modules: Python
+    modules that `do` needs."""
     class Instead(argparse.Action):
         def __call__(self, parser, namespace, values, option_string=None):
             if sys.argv[1:] != [option, *values]:
@@ -98,7 +99,7 @@ def need(made, *commands):
 
 
 def build(made, folder, target):
-    """Builds a target of cmake, and says no more than what goes wrong."""
+    """Builds a target of cmake. Prints only errors."""
     need(made, "cmake")
     done = subprocess.run(["cmake", "--build", folder, "--target", target], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           check=False)
@@ -107,7 +108,7 @@ def build(made, folder, target):
 
 
 def only(names, known, made):
-    """Those of the known names that stand between commas; all where there are none."""
+    """Returns the known names that the comma-separated `names` selects, or all names if it is empty."""
     wanted = names.split(",") if names else list(known)
     for name in wanted:
         if name not in known:

@@ -1,20 +1,21 @@
 #!/usr/bin/env python3
-"""Rough tops for the bench: rough.py mesh|moved|kept|spiked|cave|mushrooms TRIANGLES AMPLITUDE FILE.obj, or
-rough.py rings N AMPLITUDE FILE.txt.
+"""Makes rough tops for the bench: rough.py mesh|moved|kept|spiked|cave|mushrooms TRIANGLES AMPLITUDE FILE.obj, or rough.py rings N AMPLITUDE
+FILE.txt.
 
-mesh: a regular grid over 4 x 4 cm with about TRIANGLES triangles; its heights are a sum of sines of random direction
+mesh: a regular grid over 4 x 4 cm with about TRIANGLES triangles. Heights are a sum of sines of random direction
 and phase (wavelengths 0.2 to 1 cm), scaled to a maximum of AMPLITUDE cm and faded to exactly 0 at the border.
 moved: the same surface, but inner vertices are moved by up to 0.22 of a cell in x and y, and have its height there.
-kept: they are moved by up to 0.3 of a cell and keep their heights: steeper facets, as scans have them.
+kept: inner vertices are moved by up to 0.3 of a cell and keep their heights. Facets are steeper, as in scans.
 spiked: the regular grid, with the vertex at x = y = 1 cm raised by 0.1 cm.
 cave: the regular grid, wrapped around one bottle of 0.4 cm below x = y = 0: overhanging walls under a narrow neck.
-mushrooms: likewise around 16 x 16 mushrooms of 0.1 cm, whose caps overhang their stems.
+mushrooms: the regular grid, wrapped around 16 x 16 mushrooms of 0.1 cm, whose caps overhang their stems.
 rings: N rings over 0.5 cm, a sum of sines of random phase in r (wavelengths 0.04 to 0.4 cm), 0 at the last ring.
 
-The surface is one fixed function of x and y, or of r; the number of primitives only says how finely it is sampled.
-Noise that is drawn for every vertex would grow steeper with every refinement, and would measure slopes instead of
-numbers. Grids coarser than the waves (1000 triangles, 10 rings) see some other rough surface of that amplitude.
-Only the standard library is needed, and the same call writes the same bytes: heights are rounded to 1e-6 cm.
+The surface is one fixed function of x and y, or of r. The number of primitives only sets how finely it is sampled. Random heights for every vertex
+would grow steeper with every refinement, and would measure the effect of slopes instead of numbers. Grids coarser than the waves (1000 triangles,
+10 rings) sample some other rough surface of that amplitude. Only the standard library is needed. Equal calls write equal bytes, because heights are
+rounded to 1e-6 cm.
+
 SPDX-License-Identifier: MIT
 """
 import math
@@ -22,25 +23,25 @@ import random
 import sys
 
 MESHES = ("mesh", "moved", "kept", "spiked", "cave", "mushrooms")
-SIDE, FADE = 4.0, 0.4  # of the mesh [cm]
-RADIUS = 0.5  # of the rings [cm]
+SIDE, FADE = 4.0, 0.4  # side of the mesh, and width of its fading border [cm]
+RADIUS = 0.5  # radius of the last ring [cm]
 WAVES = 24
-MOVED, KEPT = 0.22, 0.3  # how far vertices are moved in x and y [cells]
-ACROSS = 0.48  # most of dx - dy: three vertices moved by more, across the diagonal of a cell, could turn a triangle over
-# (share of the radius on the grid, share of the radius, share of the height) along the profile of a mushroom, from
-# outside to its top; the same upside down is a bottle
+MOVED, KEPT = 0.22, 0.3  # largest distance by which vertices are moved in x and y [cells]
+ACROSS = 0.48  # largest dx - dy: vertices moved by more across the diagonal of a cell could turn a triangle over
+# Profile of a mushroom, from outside to its top: (share of the radius on the grid, share of the radius, share of the height). Upside down, the
+# profile is a bottle.
 PROFILE = ((1.0, 1.0, 0.0), (0.8, 0.4, 0.0), (0.6, 0.4, 0.5), (0.45, 0.8, 0.6), (0.25, 0.7, 0.9), (0.0, 0.0, 1.0))
-CAVE, MUSHROOM, MUSHROOMS = 0.4, 0.1, 16  # radius and depth, radius and height [cm], along an axis
-SPIKE_AT, SPIKE = 1.0, 0.1  # x = y of the raised vertex, and by how much [cm]
+CAVE, MUSHROOM, MUSHROOMS = 0.4, 0.1, 16  # radius and depth of the cave, radius and height of a mushroom [cm], number of mushrooms along an axis
+SPIKE_AT, SPIKE = 1.0, 0.1  # x = y of the raised vertex, and its height [cm]
 
 
 def wavelengths(longest, shortest):
-    """WAVES wavelengths in equal ratios."""
+    """Returns WAVES wavelengths in equal ratios."""
     return [longest * (shortest / longest) ** (i / (WAVES - 1)) for i in range(WAVES)]
 
 
 def plane_waves():
-    """(kx, ky, phase) of every wave of the mesh."""
+    """Returns (kx, ky, phase) of every wave of the mesh."""
     draw = random.Random(1)
     waves = []
     for length in wavelengths(1.0, 0.2):
@@ -50,16 +51,16 @@ def plane_waves():
 
 
 def fade(x):
-    """From 0 at the border to 1 within FADE of it, smoothly."""
+    """Returns a smooth factor from 0 at the border to 1 at the distance FADE from it."""
     t = min((SIDE / 2 - abs(x)) / FADE, 1.0)
     return t * t * (3 - 2 * t)
 
 
 def raw_heights(cells):
-    """Coordinates and heights of (cells + 1)^2 grid points, row by row, before they are scaled."""
+    """Returns coordinates and unscaled heights of (cells + 1)^2 grid points, row by row."""
     xs = [SIDE * (i / cells - 0.5) for i in range(cells + 1)]
     waves, fades = plane_waves(), [fade(x) for x in xs]
-    # sin(a + b) = sin a cos b + cos a sin b: sines per row and per column instead of per point
+    # sin(a + b) = sin a cos b + cos a sin b: sines are computed per row and per column, not per point
     sines = [[math.sin(kx * x) for kx, _, _ in waves] for x in xs]
     cosines = [[math.cos(kx * x) for kx, _, _ in waves] for x in xs]
     grid = []
@@ -76,14 +77,14 @@ def scale_of(grid, amplitude):
 
 
 def heights(cells, amplitude):
-    """Coordinates and heights [cm] of (cells + 1)^2 grid points, row by row."""
+    """Returns coordinates and heights [cm] of (cells + 1)^2 grid points, row by row."""
     xs, grid = raw_heights(cells)
     scale = scale_of(grid, amplitude)
     return xs, [[scale * h for h in row] for row in grid]
 
 
 def move_inner(rows, reach, height=None):
-    """Moves the inner vertices (x, y, h) by up to reach cells in x and y, to height(x, y) or at the height they have."""
+    """Moves the inner vertices (x, y, h) by up to `reach` cells in x and y, to height(x, y), or at unchanged height without it."""
     draw, cells = random.Random(3), len(rows) - 1
     for row in rows[1:-1]:
         for i in range(1, cells):
@@ -103,7 +104,7 @@ def raise_spike(rows):
 
 
 def on_profile(share):
-    """(share of the radius, share of the height) where a vertex of the regular grid is put."""
+    """Returns (share of the radius, share of the height) to which a vertex of the regular grid is moved."""
     for (a, r0, h0), (b, r1, h1) in zip(PROFILE, PROFILE[1:]):
         if share >= b:
             t = (a - share) / (a - b)
@@ -111,7 +112,7 @@ def on_profile(share):
 
 
 def wrap(rows, count, radius, height):
-    """Wraps the grid around count x count mushrooms, or bottles where height is negative."""
+    """Wraps the grid around count x count mushrooms, or bottles if height is negative."""
     pitch = SIDE / count
     for row in rows:
         for i, (x, y, h) in enumerate(row):
@@ -124,7 +125,7 @@ def wrap(rows, count, radius, height):
 
 
 def mesh_vertices(kind, cells, amplitude):
-    """Rows of vertices (x, y, h) [cm]; those of the border are the same for all kinds."""
+    """Returns rows of vertices (x, y, h) [cm]. Vertices of the border are the same for all kinds."""
     xs, raw = raw_heights(cells)
     scale, waves = scale_of(raw, amplitude), plane_waves()
     rows = [[(x, y, scale * h) for x, h in zip(xs, row)] for y, row in zip(xs, raw)]

@@ -1,4 +1,4 @@
-"""Runs of the programs that are compared: alone on the cores that they need, and of a wanted length.
+"""Runs of the compared programs, undisturbed on the cores that they need, and of a wanted length.
 
 SPDX-License-Identifier: MIT
 """
@@ -9,27 +9,27 @@ import sys
 import tempfile
 import time
 
-CALIBRATE_S = 0.1  # a run shorter than this says too little about the photons per second
-FOREIGN = 0.05  # of a core that others may take from a run before it is repeated
+CALIBRATE_S = 0.1  # shortest run [s] that tells the photons per second well enough
+FOREIGN = 0.05  # share of a core that other programs may take from a run before it is repeated
 REPEATS = 3
 spent = 0.0  # user seconds of the last run
 MOST_PHOTONS = 50000000
 
 
 def busy_seconds():
-    """Core seconds that the whole machine has worked so far, or None where no /proc/stat tells."""
+    """Returns the core seconds that the whole machine has worked so far, or None without /proc/stat."""
     try:
         with open("/proc/stat") as stream:
             ticks = [int(word) for word in stream.readline().split()[1:9]]
     except (OSError, ValueError):
         return None
-    return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")  # without idle and iowait
+    return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")  # time in idle and iowait does not count
 
 
 def run(command, directory, threads=1, environment=None):
-    """(standard output, resource usage, whether others took the cores that it needs) of a child; exit codes 0 and 4, numerical
-    trouble, go on."""
-    global spent  # for who asks nothing else of the usage
+    """Runs a child. Returns (standard output, resource usage, True if others took cores that it needs). Exit codes 0 and 4 (numerical trouble) are
+    accepted."""
+    global spent  # for callers that ask nothing else of the usage
     with tempfile.TemporaryFile("w+") as out:
         begin, before = time.monotonic(), busy_seconds()
         child = subprocess.Popen(command, cwd=directory, env=environment, stdout=out)
@@ -44,7 +44,7 @@ def run(command, directory, threads=1, environment=None):
 
 
 def run_alone(command, directory, threads=1, environment=None):
-    """Like run, for ours and for others alike: again, a few times, when other programs took the cores that it needs."""
+    """Runs a command as `run` does, and repeats it a few times if other programs took cores that it needs."""
     for _ in range(REPEATS):
         result = run(command, directory, threads, environment)
         if not result[2]:
@@ -54,7 +54,7 @@ def run_alone(command, directory, threads=1, environment=None):
 
 
 def fly_alone(program, case, photons, seed):
-    """One run of the program: its JSON record, with the process's memory, and whether others disturbed it."""
+    """Runs the program once. Returns its JSON record with the memory of the process, and whether others disturbed it."""
     environment = dict(os.environ)
     if case.threads > 1:
         environment["OMP_PROC_BIND"] = "true"
@@ -65,7 +65,7 @@ def fly_alone(program, case, photons, seed):
 
 
 def records(command, cwd=None, allowed=(0, 4)):
-    """What --json prints, a record for each run; exit code 4, numerical trouble, goes on, for the results are to show it."""
+    """Returns the records that --json prints, one for each run. Exit code 4, numerical trouble, is accepted, because results are to show it."""
     done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
     if done.returncode not in allowed:
         sys.exit("%s: exit code %d: %s" % (" ".join(command), done.returncode, done.stderr.strip()))
@@ -78,7 +78,7 @@ def two_digits(photons):
 
 
 def calibrate(program, case, target):
-    """Sets the number of photons that take about target seconds."""
+    """Sets the number of photons that take about `target` seconds."""
     photons = 2000
     while True:
         seconds = fly_alone(program, case, photons, 1)["seconds"]
@@ -89,7 +89,7 @@ def calibrate(program, case, target):
 
 
 def fly_mcml(mcml, lines, photons):
-    """(user seconds, Rd, whether others disturbed it) of original MCML on the data lines of a flat scene."""
+    """Runs original MCML on the data lines of a flat scene. Returns (user seconds, Rd, whether others disturbed it)."""
     with tempfile.TemporaryDirectory() as work:
         with open(os.path.join(work, "x.mci"), "w") as stream:
             stream.write("\n".join(lines[:3] + [str(int(photons))] + lines[4:]) + "\n")
@@ -100,7 +100,7 @@ def fly_mcml(mcml, lines, photons):
 
 
 def calibrate_mcml(mcml, lines, target):
-    """(seconds that it takes to start and to write its file, which is no flight, photons that take about target seconds)"""
+    """Returns (seconds for start and output, photons that take about `target` seconds) of original MCML."""
     start = min(fly_mcml(mcml, lines, 1)[0] for _ in range(3))
     photons, seconds = 500, 0.0
     while seconds < CALIBRATE_S:

@@ -1,17 +1,18 @@
-"""Closed and overhanging meshes for the bench, always the same bytes: cm, heights up, faces counter-clockwise seen from outside.
+"""Closed and overhanging meshes for the bench, always with the same bytes. Lengths are in cm, heights up, faces counter-clockwise seen from
+outside.
 
 SPDX-License-Identifier: MIT
 """
 import math
 
-SIDE = 1.0  # of the ground of a ring or tunnel [cm]
+SIDE = 1.0  # side of the ground of a ring or tunnel [cm]
 TURN, TUBE = 0.25, 0.1  # radii of the ring and of its tube [cm]
-AROUND, ALONG = 16, 13  # corners of the tube, sections of its half turn
-OFF = (0.013, 0.007)  # by which all is moved, so that the pencil at x = y = 0 meets no edge [cm]
+AROUND, ALONG = 16, 13  # corners of the tube, and sections of its half turn
+OFF = (0.013, 0.007)  # shift of the whole mesh [cm], so that a pencil at x = y = 0 meets no edge
 
 
 class Mesh:
-    """Vertices, each once, and faces of their indices from 1."""
+    """A mesh: vertices, each only once, and faces of their indices from 1."""
 
     def __init__(self):
         self.numbers, self.faces = {}, []
@@ -30,7 +31,7 @@ class Mesh:
 
 
 def icosahedron():
-    """Corners of length 1, and faces seen from outside, counter-clockwise."""
+    """Returns corners of an icosahedron, and faces counter-clockwise seen from outside."""
     t = (1 + math.sqrt(5)) / 2
     corners = [(-1, t, 0), (1, t, 0), (-1, -t, 0), (1, -t, 0), (0, -1, t), (0, 1, t), (0, -1, -t), (0, 1, -t),
                (t, 0, -1), (t, 0, 1), (-t, 0, -1), (-t, 0, 1)]
@@ -41,7 +42,7 @@ def icosahedron():
 
 
 def write_ball(path, radius, parts, height=0.0):
-    """A sphere around that height: each edge of an icosahedron cut into so many parts, and its corners put onto the sphere."""
+    """Writes a sphere around that height. Each edge of an icosahedron is cut into `parts`, and all corners are put onto the sphere."""
     corners, faces = icosahedron()
     mesh = Mesh()
 
@@ -62,7 +63,8 @@ def write_ball(path, radius, parts, height=0.0):
 
 
 def section():
-    """((x, y) on the circle of TUBE, (x, y) on the half of the ground around it) at angles that rise: its corners are among them."""
+    """Yields ((x, y) on the circle of TUBE, (x, y) on the border of the half ground around it) at rising angles. Corners of the border are among
+    them."""
     half = SIDE / 4, SIDE / 2
     corner = math.atan2(half[1], half[0])
     angles = [2 * math.pi * (k + 0.5) / AROUND for k in range(AROUND)]
@@ -74,8 +76,8 @@ def section():
 
 
 def write_handle(path, side, sections=ALONG):
-    """A level square from which half a ring rises (side 1): a handle. Or below which it leads as a tunnel (side -1). Of fewer sections
-    it has one foot, and ends in a cap: a bent tube."""
+    """Writes a level square from which half a ring rises as a handle (side 1), or below which it leads as a tunnel (side -1). With fewer sections,
+    the ring has one foot and ends in a cap: a bent tube."""
     mesh, points = Mesh(), list(section())
 
     def on_ground(p, sign):

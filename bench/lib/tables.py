@@ -1,6 +1,7 @@
-"""Results and the texts that show them: CSV files with a head of comments, tables, and the lines of a README between
-`<!-- written by bench/NAME -->` and `<!-- until here -->`. As a program, tables.py FILE README puts a result there as it is, a
-.csv as a table, a .md as its lines; NAME is then `lib/tables.py FILE`, FILE as seen from bench.
+"""Writes results and the texts that show them: CSV files with a head of comments, tables, and lines of a README.
+
+The lines of a README stand between `<!-- written by bench/NAME -->` and `<!-- until here -->`. As a program, tables.py FILE README puts a result
+there: a .csv as a table, a .md as its lines. NAME is then `lib/tables.py FILE`, with FILE as seen from bench.
 
 SPDX-License-Identifier: MIT
 """
@@ -26,7 +27,7 @@ def wrapped(line):
 
 
 def replace(readme, name, fresh):
-    """Puts the lines in place of those that were written before; refuses a file that has no place for them."""
+    """Replaces the lines that were written before. Refuses a file without a place for them."""
     begin = "<!-- written by bench/%s -->" % name
     with open(readme, encoding="utf-8") as stream:
         lines = stream.read().split("\n")
@@ -39,7 +40,7 @@ def replace(readme, name, fresh):
 
 
 def table(titles, rows):
-    """The lines of a table; cells are words or numbers."""
+    """Yields the lines of a Markdown table. Cells are words or numbers."""
     yield "| " + " | ".join(titles) + " |"
     yield "|---" * len(titles) + "|"
     for row in rows:
@@ -47,19 +48,19 @@ def table(titles, rows):
 
 
 def aligned(grid):
-    """The lines of a table for a terminal."""
+    """Returns the lines of a table for a terminal."""
     widths = [max(map(len, column)) for column in zip(*grid)]
     return ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in grid]
 
 
 def measured(header, *keys):
-    """The beginning of what stands above a table: date, program and machine, where the result knows them, and other keys."""
+    """Returns the first line above a table: date, program, machine and other keys, as far as the result knows them."""
     about = dict(header)
     return "Measured: " + "; ".join(about[key] for key in ("date", "program", "machine") + keys if about.get(key))
 
 
 def command_line(command):
-    """The first line that a command prints, or a question mark."""
+    """Returns the first line that a command prints, or a question mark."""
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split("\n")[0]
     except (OSError, subprocess.CalledProcessError):
@@ -67,7 +68,7 @@ def command_line(command):
 
 
 def compiler(program):
-    """(name and version, flags) from the folder in which the program was built."""
+    """Returns (name and version, flags) of the compiler, from the folder in which the program was built."""
     try:
         with open(os.path.join(os.path.dirname(os.path.abspath(program)), "compile_commands.json")) as stream:
             words = [shlex.split(entry["command"]) for entry in json.load(stream)
@@ -87,7 +88,7 @@ def processor():
 
 
 def machine(program, rounds):
-    """What the numbers depend on, as (key, text) pairs."""
+    """Returns the things on which measured numbers depend, as (key, text) pairs."""
     built_by, flags = compiler(program)
     return [("date", time.strftime("%Y-%m-%d")), ("program", command_line([program, "--version"])),
             ("machine", "%s, %d cores" % (processor(), os.cpu_count())), ("compiler", built_by), ("flags", flags), ("rounds", str(rounds))]
@@ -113,7 +114,7 @@ def read_csv(path):
 
 
 def lines_of(path):
-    """What the README shows of a result."""
+    """Returns the lines that the README shows of a result."""
     if not path.endswith(".csv"):
         with open(path, encoding="utf-8") as stream:
             return stream.read().rstrip("\n").split("\n")
@@ -122,7 +123,7 @@ def lines_of(path):
 
 
 def keep(path, lines):
-    """Leaves lines as a result, and prints them."""
+    """Writes lines as a result, and prints them."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
     with open(path, "w", encoding="utf-8") as stream:
         stream.write("\n".join(lines) + "\n")
@@ -130,7 +131,7 @@ def keep(path, lines):
 
 
 def put(path, readme, name=None):
-    """Puts a result into the README as it is."""
+    """Puts a result into the README unchanged."""
     replace(readme, name or "lib/tables.py " + os.path.relpath(path, BENCH), lines_of(path))
 
 

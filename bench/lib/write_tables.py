@@ -1,5 +1,5 @@
-"""Writes the tables of all READMEs of the benches anew from the results that were kept: write_tables.py [--check]. With --check
-nothing is written; exit code 1 where a table is not what its command writes. Runs in any folder.
+"""Writes the tables of all READMEs of the benches anew from stored results: write_tables.py [--check]. With --check, nothing is written, and the
+exit code is 1 if a table is not what its command writes. Runs in any folder.
 
 SPDX-License-Identifier: MIT
 """
@@ -13,7 +13,7 @@ import tables
 
 BENCH = tables.BENCH
 SPEED, PARTS = "speed/results/speed-amd-epyc-2core.csv", "parts/results/parts-intel-xeon-2core.txt"
-# by folder: the scripts with their arguments, to which the README is added; a result alone is put there as it is
+# by folder: scripts with their arguments, to which the README is appended; a result alone is put into the README unchanged
 COMMANDS = {
     "speed": (["speed/results.py", SPEED], ["speed/results.py", "--irregular", SPEED]),
     "accuracy": (["accuracy/accuracy_table.py", "accuracy/results/accuracy-amd-epyc-2core.csv"],
@@ -31,7 +31,7 @@ COMMANDS = {
 
 
 def full(words):
-    """A command as it is called: paths from the top, what puts a result in front of a result."""
+    """Returns the words of a command with absolute paths. A result alone is put into the README by lib/tables.py."""
     script = [] if words[0].endswith(".py") else ["lib/tables.py"]
     return [os.path.join(BENCH, word) if "/" in word else word for word in script + words]
 
@@ -44,7 +44,7 @@ def write(folder, readme):
 
 
 def is_written(folder, readme):
-    """Whether writing changes nothing."""
+    """True if writing changes nothing."""
     with tempfile.TemporaryDirectory() as work:
         copy = shutil.copy(readme, work)
         write(folder, copy)

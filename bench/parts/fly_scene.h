@@ -1,5 +1,6 @@
-/* A scene of a bench on one thread of an engine that was compiled with the bench: included behind
- * engine_cpu_level.c. SPDX-License-Identifier: MIT */
+/* Runs a scene of a bench on one thread, by an engine that is compiled with the bench: this file is included
+ * after engine_cpu_level.c.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "input/mci.h"
@@ -13,10 +14,10 @@ struct bench_flight {
     struct cml_tally tally;
     void *cpu;
     uint64_t photons;
-    double seconds; /* of all photons */
+    double seconds; /* seconds of all photons */
 };
 
-/* The first run of a file; boundaries that are not flat as `force` says. */
+/* Opens the first run of a file. Boundaries that are not flat are represented as `force` says. */
 static cml_status bench_open(const char *path, enum cml_surface_kind force, struct bench_flight *flight,
                              struct cml_error *err)
 {
@@ -44,7 +45,7 @@ static void bench_close(struct bench_flight *flight)
     cml_scene_list_clear(&flight->list);
 }
 
-/* As many photons as take about half a second, counted from 0, into a clean tally. */
+/* Flies as many photons, counted from 0, as take about half a second, into a clean tally. */
 static cml_status bench_fly(struct bench_flight *flight, void (*reset)(void), struct cml_error *err)
 {
     for (flight->photons = 10000;; flight->photons *= 4) {
@@ -58,9 +59,9 @@ static cml_status bench_fly(struct bench_flight *flight, void (*reset)(void), st
     }
 }
 
-/* What a bench counts in flight: `reset` before, `report` behind. */
+/* The counting of a bench: `reset` is called before a flight, `report` after it. */
 struct bench_count {
-    const char *name, *head; /* of the program, of the table */
+    const char *name, *head; /* name of the program, and head of the table */
     void (*reset)(void);
     void (*report)(const char *path, const struct bench_flight *flight);
 };
@@ -76,7 +77,8 @@ static inline cml_status bench_measure(const struct bench_count *bench, const ch
     return CML_OK;
 }
 
-/* The whole program: a line of the table for every scene that its arguments name. Returns its exit code. */
+/* The main function of a bench: prints a line of the table for every scene in its arguments. Returns the
+ * exit code. */
 static inline int bench_scenes(const struct bench_count *bench, int argc, char **argv)
 {
     struct cml_error err;

@@ -1,12 +1,17 @@
 #!/usr/bin/env python3
-"""What the OpenCL kernel needs on NVIDIA's GPUs, without one: registers, spills, stack, instructions, theoretical occupancy.
+"""Reports the needs of the OpenCL kernel on NVIDIA's GPUs, without a GPU: registers, spills, stack, instructions, theoretical occupancy.
+
     gpu_static.py [--clang PATH] [--ptxas PATH] [--kernels DIR] [--out DIR]
-Compiles the kernel for sm_70, sm_80 and sm_90, as the program has it built for a GPU, to PTX with clang (16 or newer, with
-NVPTX) and libclc's nvptx64--nvidiacl.bc, then with NVIDIA's ptxas. What is not on the PATH is looked for where Debian puts
-it; ptxas comes from the Python package registry otherwise (nvidia-cuda-nvcc-cu12) and stays in DIR (bench/out). Leaves
-gpu_static.csv there, and prints the table of it. Exit code 77 where a tool is missing.
+
+Compiles the kernel for sm_70, sm_80 and sm_90, with the options that the program uses on a GPU: to PTX with clang (16 or newer, with NVPTX) and
+libclc's nvptx64--nvidiacl.bc, then with NVIDIA's ptxas. Tools that are not on the PATH are searched where Debian puts them. ptxas otherwise comes
+from the Python package registry (nvidia-cuda-nvcc-cu12) and stays in DIR (bench/out). Leaves gpu_static.csv there, and prints its table. Exit code
+77 if a tool is missing.
+
     gpu_static.py --readme CSV README
-writes the table into the text. NVIDIA's own OpenCL compiler need not choose the same registers.
+
+writes the table into the text. NVIDIA's own OpenCL compiler may choose other registers.
+
 SPDX-License-Identifier: MIT
 """
 import argparse
@@ -24,19 +29,19 @@ import cases
 import command
 import tables
 
-GROUP = 128  # work-items: GPU_GROUP of src/engine/opencl/opencl_flight.c
-NEAR_KB = 16  # local memory of a group: LOCAL_BYTES_SHARED there
-INSTRUCTION = 16  # bytes, from sm_70 on
-# Of a multiprocessor: registers, warps, local memory [KiB] (CUDA C++ Programming Guide 12.9, table "Technical Specifications
-# per Compute Capability"); registers are handed out to warps by the 256
+GROUP = 128  # work-items of a group: GPU_GROUP of src/engine/opencl/opencl_flight.c
+NEAR_KB = 16  # local memory of a group: LOCAL_BYTES_SHARED of the same file
+INSTRUCTION = 16  # bytes of an instruction, from sm_70 on
+# Limits of a multiprocessor: registers, warps, local memory [KiB] (CUDA C++ Programming Guide 12.9, table "Technical Specifications per Compute
+# Capability"). Registers are given to warps in units of 256.
 REGISTERS, WARPS, WARP = 65536, 64, 32
 LOCAL_KB = {"sm_70": 96, "sm_80": 164, "sm_90": 228}
 KINDS = (("planes", ["-D", "CML_ONLY_PLANES", "-D", "CML_WITHOUT_BODIES"]), ("cones", ["-D", "CML_WITHOUT_BODIES"]), ("cones, bodies", []))
-LIMITS = (0, 96, 80)  # registers that ptxas may take at most; 0: as many as it wants
+LIMITS = (0, 96, 80)  # most registers that ptxas may use; 0: no limit
 TITLES = ("device", "boundaries", "registers at most", "registers", "spilled to memory [bytes]", "stack [bytes]", "instructions",
           "warps of 64", "occupancy")
 
-# clang's headers declare the 64-bit additions for no device of this target
+# clang's headers do not declare the 64-bit additions for any device of this target
 ATOMICS = """
 __attribute__((overloadable)) static inline ulong atom_add(volatile __%s ulong *cell, ulong amount)
 {
@@ -64,16 +69,16 @@ def to_ptx(work, clang, library, device, options):
 
 
 def instructions(cubin):
-    """Of the kernel, padding included."""
+    """Returns the number of instructions of the kernel, padding included."""
     sizes = re.findall(r"\.text\.cml_transport\s+PROGBITS\s+\S+\s+\S+\s+([0-9a-f]+)", call(["readelf", "-SW", cubin]))
     return int(sizes[0], 16) // INSTRUCTION
 
 
 def resident_warps(registers, device):
-    """Warps of a multiprocessor that can be in flight together, by registers and local memory."""
+    """Returns the warps of a multiprocessor that can run together, by registers and local memory."""
     of_warp = (registers * WARP + 255) // 256 * 256
     by_registers = REGISTERS // of_warp // (GROUP // WARP)
-    groups = min(by_registers, LOCAL_KB[device] // (NEAR_KB + 1), WARPS // (GROUP // WARP))  # a KiB of each is the system's
+    groups = min(by_registers, LOCAL_KB[device] // (NEAR_KB + 1), WARPS // (GROUP // WARP))  # the system takes a KiB of each group
     return groups * (GROUP // WARP)
 
 
@@ -106,7 +111,7 @@ def missing(text):
 
 
 def find_clang(wanted):
-    """(clang, the library of the target's functions)"""
+    """Returns (clang, the library of the target's functions)."""
     names = [wanted] if wanted else ["clang-16", "clang-17", "clang-18", "clang-19", "clang"]
     clang = next(filter(None, map(shutil.which, names)), None)
     if not clang:
@@ -121,7 +126,7 @@ def find_clang(wanted):
 
 
 def find_ptxas(out):
-    """On the PATH, or in a wheel of NVIDIA's."""
+    """Returns the path of ptxas, from the PATH or from a wheel of NVIDIA's."""
     if shutil.which("ptxas"):
         return shutil.which("ptxas")
     wheel = os.path.join(out, "ptxas")

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""What bounds the speed of the cpu engine: limits.py SPEED.csv PARTS.txt README.md rewrites the tables there.
+"""Tells the bounds on the speed of the cpu engine: limits.py SPEED.csv PARTS.txt README.md rewrites the tables there.
 
-SPEED.csv is of speed.py with --mcml, PARTS.txt of parts.py on the same machine. The first table says how many times as
-fast as original MCML the engine would be without one of its stages; the others, of a medium each, how much of its speed with a plane on top it would keep below a curved
-top without one of the parts that come with it. The last one: how often a ray is sent to it.
+SPEED.csv comes from speed.py with --mcml, PARTS.txt from parts.py on the same machine. The first table gives the speed of the engine over original
+MCML without one of its stages. Further tables, one per medium, give the share of the speed with a plane on top that is kept below a curved top
+without one of its parts. The last table says how often a curved top is asked for a crossing.
+
 SPDX-License-Identifier: MIT
 """
 import csv
@@ -21,7 +22,7 @@ MEDIA = ("S2", "S6a")
 
 
 def read_parts(path):
-    """(stages by first word, flat scenes by name, curved tops by name, rows of tops that were asked) of a parts.txt."""
+    """Returns (stages by first word, flat scenes by name, curved tops by name, rows of tops that were asked) of a parts.txt."""
     sections, current = {}, None
     with open(path, newline="") as stream:
         for line in stream:
@@ -57,7 +58,7 @@ def flat_table(stages, scenes, speed):
 
 
 def curved_table(medium, tops, speed):
-    """How much of the plane's steps per second are left: measured, and without parts of the time of a photon."""
+    """Returns the share of the plane's steps per second that is kept: measured, and without parts of the time of a photon."""
     titles = [medium + " below", "queries per photon", "ns per photon", "of the plane's steps per second"]
     titles += ["without " + name for name, _ in PARTS] + ["without all five"]
     rows = []
@@ -71,7 +72,7 @@ def curved_table(medium, tops, speed):
 
 
 def asked_table(rows):
-    """How often a boundary is asked, and how much of that in vain."""
+    """Returns how often a boundary is asked for a crossing, and the share that is asked in vain."""
     return list(tables.table(("top", "steps per photon", "asked %", "met %", "in vain, of those asked"), [
         [row["scene"], row["steps"], "%.2f" % (100 * float(row["asked"])), "%.2f" % (100 * float(row["met"])),
          "%.0f %%" % (100 - 100 * float(row["met"]) / float(row["asked"]))] for row in rows]))

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""What the parts of the cpu engine cost on this machine:
+"""Measures the cost of the cpu engine's parts on this machine:
+
     parts.py [--build DIR] [--out DIR]
-Builds the benches in build/, runs bench_stages, bench_busy, bench_curved, bench_asked and bench_queries and leaves
-parts.txt in bench/out: the vector loops alone and left out, where the time of the flat scenes goes, then, below rough
-tops and rings where light is scattered often (S6a) and seldom (S2), where it goes there, how often regular, irregular
-and spiked tops are asked and met, and what a step near the boundary costs by itself.
+
+Builds the benches in build/, runs bench_stages, bench_busy, bench_curved, bench_asked and bench_queries, and leaves parts.txt in bench/out. Its
+sections: the vector loops alone and left out; the time of the flat scenes; the time below rough tops and rings, with much scattering (S6a) and
+little (S2); how often regular, irregular and spiked tops are asked and met; the cost of a step near the boundary by itself.
+
 SPDX-License-Identifier: MIT
 """
 import csv
@@ -29,7 +31,7 @@ FLAT = ("scene", "launched", "interactions", "busy_in_passes", "boundary_events"
 
 
 def printed(*words):
-    """The lines of a bench, which has said itself what went wrong."""
+    """Runs a bench and returns its lines. If it fails, the bench has printed the reason."""
     done = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode:
         sys.exit(done.returncode)
@@ -45,7 +47,7 @@ def first_row(*words):
 
 
 def total(stages, names):
-    """The stages whose names begin with one of these."""
+    """Returns the sum of the stages whose names begin with one of these."""
     found = [time for stage, time in stages.items() if stage.startswith(names)]
     if len(found) != len(names):
         sys.exit("parts.py: the stages are not those that are looked for")
@@ -53,12 +55,13 @@ def total(stages, names):
 
 
 def flat_lines(bench, stage_lines):
-    """Where the time of the flat scenes goes. bench_stages prints the time of every loop per lane, bench_busy how many lanes go
-    through the loops for a photon, and how long it takes. Both together account for a photon's time, in ns: the loops of a pass,
-    those of the planes, a launch and an exit of those that are flown (`launched`: the others are ballistic, and only counted). What is
-    left are random numbers drawn for all, single lanes (layers entered, roulette), branches, and caches. `busy` is the share of
-    lanes that had something to do there; `all_busy` is the time if all had. The fastest of ROUNDS runs: the stages are the least of
-    several tries, too."""
+    """Yields the parts of the time of the flat scenes, in ns per photon.
+
+    bench_stages prints the time of every loop per lane, bench_busy the number of lanes that a photon takes through the loops, and its time.
+    Together they account for a photon's time: the loops of a pass, those of the planes, a launch and an exit of packets that are flown (`launched`;
+    others are ballistic, and only counted). The rest is random numbers drawn for all lanes, single lanes (layers entered, roulette), branches, and
+    caches. `busy` is the share of lanes that had work in a loop, `all_busy` the time if all had. The fastest of ROUNDS runs counts, because stages
+    are the least of several tries, too."""
     stages = {row["stage"]: float(row["ns_alone"]) for row in csv.DictReader(stage_lines)}
     step, plane, once = stages["whole pass"], total(stages, PLANE), total(stages, ONCE)
     yield ",".join(FLAT)
@@ -74,14 +77,14 @@ def flat_lines(bench, stage_lines):
 
 
 def curved_tops(medium, work):
-    """The curved tops of speed.py that are flown as cones or walked as a mesh, without the largest."""
+    """Returns the curved tops of speed.py that are flown as cones, or walked as a mesh, without the largest."""
     found = [cases.level_case(medium, work)]
     found += cases.rough_cases(medium, TRIANGLES, cases.AMPLITUDE, work) + cases.ring_cases(medium, work)
     return [case for case in found if "embree" not in case.options and (case.surface != "rings" or "cone" in case.options)]
 
 
 def curved_lines(bench, work):
-    """Where the time below curved boundaries goes, in the fastest of ROUNDS runs, one top after the other: ns per photon."""
+    """Yields the parts of the time below curved boundaries, in the fastest of ROUNDS runs, one top after the other: ns per photon."""
     runs = {case: [] for medium in MEDIA for case in curved_tops(medium, work)}
     for _ in range(ROUNDS):
         for case, of_case in runs.items():
@@ -95,7 +98,7 @@ def curved_lines(bench, work):
 
 
 def lines(bench, work):
-    """bench: the path of a bench by its name."""
+    """Yields all lines of parts.txt. bench: returns the path of a bench by its name."""
     yield "# %s; load %.2f %.2f %.2f" % (tables.processor(), *os.getloadavg())
     stages = printed(bench("stages"))
     yield from stages
@@ -116,7 +119,7 @@ def lines(bench, work):
 
 
 def write_scenes(work):
-    """Those of bench_queries."""
+    """Writes the scenes of bench_queries."""
     cases.make_surface("mesh", "3e5", cases.AMPLITUDE, os.path.join(work, "rough.obj"))
     for medium in MEDIA:
         cases.write_scene(medium, os.path.join(work, medium + "-rough.mci"), surface='m "rough.obj"')

@@ -3,8 +3,8 @@
 
 #include <time.h>
 
-/* Seconds that a processor has worked for this thread: what others do on the machine meanwhile does not
- * count. */
+/* Returns the seconds that a processor has worked for this thread. Other work on the machine does not count.
+ */
 static double thread_seconds(void)
 {
     struct timespec t;

@@ -1,13 +1,14 @@
-"""What Mitsuba 3 (`pip install mitsuba`) sees of a slab in white light: mitsuba_slab.py SCENE.json PHOTONS SEED...
+"""Lets Mitsuba 3 (`pip install mitsuba`) look at a slab in white light: mitsuba_slab.py SCENE.json PHOTONS SEED...
 
-A radiancemeter looks down at x = y = 0 on closed surfaces of scattering media, in constant light of radiance 1 from everywhere.
-What it sees is the share of a pencil along its ray that leaves again, by reciprocity: 1 less is what is absorbed. Integrator volpath,
-variant scalar_rgb. Its roulette takes 5 % of the paths at every scattering, whatever they carry, which makes the variance of hundreds of
-scatterings endless: it begins after LATE of them (rr_depth), where little is left, and ends paths that leak out of the slab.
+A radiancemeter looks down at x = y = 0 on closed surfaces of scattering media, in constant light of radiance 1 from everywhere. By reciprocity, it
+sees the share of a pencil along its ray that leaves again; the rest is absorbed. Integrator volpath, variant scalar_rgb. Its roulette ends 5 % of
+the paths at every scattering, whatever their weight, which makes the variance of hundreds of scatterings infinite. Roulette therefore begins after
+LATE scatterings (rr_depth), where little weight is left, and only ends paths that leak out of the slab.
 
-SCENE.json: {"unit": units of length in a cm, "shapes": [{"file": PLY, "n": [inside, outside], "media": [name or null, the same],
-"rough": [distribution, alpha] (default: smooth)}], "media": {name: [mua, mus, g]}, 1/cm, "angle": of the radiancemeter, degrees
-(default 0)}. Prints a line of JSON for each seed: processor seconds of the flight, the absorbed share.
+SCENE.json: {"unit": units of length in a cm, "shapes": [{"file": PLY, "n": [inside, outside], "media": [name or null, the same], "rough":
+[distribution, alpha] (default: smooth)}], "media": {name: [mua, mus, g]}, 1/cm, "angle": of the radiancemeter, degrees (default 0)}. Prints a line
+of JSON for each seed: processor seconds of the flight, the absorbed share.
+
 SPDX-License-Identifier: MIT
 """
 import json
@@ -20,7 +21,7 @@ import mitsuba as mi
 mi.set_variant("scalar_rgb")
 mi.set_log_level(mi.LogLevel.Error)
 LATE = 5000
-HEIGHT = 1.0  # of the radiancemeter above x = y = z = 0 [cm]
+HEIGHT = 1.0  # height of the radiancemeter above x = y = z = 0 [cm]
 
 
 def medium(mua, mus, g, unit):
@@ -29,7 +30,7 @@ def medium(mua, mus, g, unit):
 
 
 def load(scene, photons, lights=None):
-    """lights: parts of the scene in place of the constant light."""
+    """Loads a scene. lights: parts of the scene in place of the constant light."""
     unit, tilt = scene["unit"], math.radians(scene.get("angle", 0))
     media = {name: medium(*numbers, unit) for name, numbers in scene["media"].items()}
     parts = {"type": "scene", "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": LATE},

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 """Times clustermcml against MMC on one core: mmc.py --mmc PATH [--rounds N] [--program PATH] [--out DIR].
 
-A slab with ten scatterings per cm below rough tops: regular grids of 1e3, 1e4 and 1e5 triangles, and 1e5 irregular and
-steeper ones; peers.py has overhangs. Both tally the absorbed light, with the same roulette, and only flights count: reading,
-building and writing are left out. They take turns, a run of either that others disturbed is repeated, and ratios are taken
-within a round. Beside the speed stands the absorbed share of the light that entered, which must be the same.
-PATH is MMC's program, built by its own Makefile; tetgen fills the slab with tetrahedra for it. Leaves mmc.md in DIR.
-As `mmc.py --readme MMC.md README.md` it puts that into README.
+The scene is a slab with ten scatterings per cm below rough tops: regular grids of 1e3, 1e4 and 1e5 triangles, and 1e5 irregular and steeper ones;
+peers.py has overhangs. Both programs tally the absorbed light with the same roulette. Only flights count: reading, building and writing are left
+out. The programs take turns, a run that others disturbed is repeated, and ratios are formed within a round. Beside the speed stands the absorbed
+share of the light that entered, which must be equal. PATH is MMC's program, built by its own Makefile; tetgen fills the slab with tetrahedra for
+it. Leaves mmc.md in DIR. `mmc.py --readme MMC.md README.md` puts this result into README.
 
 SPDX-License-Identifier: MIT
 """
@@ -28,17 +27,17 @@ import slab
 
 # medium, kind of rough.py, triangles
 TOPS = (("A", "mesh", "1e3"), ("A", "mesh", "1e4"), ("A", "mesh", "1e5"), ("A", "kept", "1e5"))
-TRACER = "S"  # MMC's fastest
-ALIKE = ["--no-reentry", "--sampling", "random", "--roulette", "mcml"]  # what leaves MMC's tetrahedra is gone; it draws at random
-SECONDS = 0.7  # of a run
-INSIDE = 1e-5  # by which MMC's packets start below the surface [cm]: 0.001 mean free paths of skin
-ROULETTE = "1e-4"  # the weight below which it is played, as in MCML
+TRACER = "S"  # the fastest tracer of MMC
+ALIKE = ["--no-reentry", "--sampling", "random", "--roulette", "mcml"]  # options that make both programs alike: light that leaves MMC's tetrahedra is gone, and MMC samples at random
+SECONDS = 0.7  # length of a run [s]
+INSIDE = 1e-5  # distance of the start of MMC's packets below the surface [cm]: 0.001 mean free paths of skin
+ROULETTE = "1e-4"  # weight below which roulette is played, as in MCML
 TITLES = ("medium", "top", "triangles", "tetrahedra", "photons/s", "MMC's", "ratio", "absorbed of what entered", "by MMC",
           "lost")
 
 
 class Pair:
-    """The same slab for both programs, and what they did with it."""
+    """A slab in the formats of both programs, and their runs."""
 
     def __init__(self, medium, kind, triangles, work):
         self.top = "regular" if kind == "mesh" else kind
@@ -51,7 +50,7 @@ class Pair:
 
 
 def entry(program, scene):
-    """(position [cm], direction) of a packet that has just entered, moved on so as to be inside."""
+    """Returns (position [cm], direction) of a packet that has just entered, moved a little further inside."""
     text = subprocess.run([program, "trace", scene, "0"], capture_output=True, text=True, check=True).stdout
     events = [line.split() for line in text.split("\n") if line and line[0] != "#"]
     words = next(event for event in events if event[1] == "transmit" or event[1:3] == ["launch", "1"])  # launched below a plane
@@ -67,18 +66,18 @@ def prepare(program, pair):
 
 
 def plain(text):
-    """Without colours."""
+    """Returns the text without colours."""
     return re.sub(r"\x1b\[[0-9;]*m", "", text)
 
 
 def version(mmc):
-    text = subprocess.run([mmc, "--version"], capture_output=True, text=True, check=False).stdout  # exits with 1
+    text = subprocess.run([mmc, "--version"], capture_output=True, text=True, check=False).stdout  # MMC exits with 1
     found = re.search(r"\$Rev::[ $]*(v[\w.]+)", plain(text))
     return found.group(1) if found else "?"
 
 
 def fly_mmc(mmc, stem, photons, seed, tracer=TRACER):
-    """(photons per second, absorbed share of the light), as MMC prints them, and whether others disturbed it."""
+    """Returns (photons per second, absorbed share of the light), as MMC prints them, and whether others disturbed the run."""
     line = [mmc, "-f", stem + ".json", "-c", "sse", "-G", "-1", "-M", tracer, "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
                "-d", "0", "-n", str(photons), "-E", str(seed)]
     text, _, disturbed = runs.run_alone(line, os.path.dirname(stem), environment=dict(os.environ, OMP_NUM_THREADS="1"))
@@ -101,7 +100,7 @@ def measure(program, mmc, pairs, rounds):
 
 
 def absorbed(pair):
-    """((share, standard error) of ours, the same of MMC) of the light that entered."""
+    """Returns ((share, standard error) of this program, the same of MMC) of the absorption, relative to the light that entered."""
     n = len(pair.case.runs)
     shares = [run["A"] / (1 - run["Rsp"]) for run in pair.case.runs]
     error = math.sqrt(sum((run["A_se"] / (1 - run["Rsp"])) ** 2 for run in pair.case.runs)) / n
@@ -130,7 +129,7 @@ def report(program, mmc, pairs, rounds):
 
 def bench(arguments):
     with tempfile.TemporaryDirectory() as work:
-        program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # nobody rebuilds it meanwhile
+        program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # a copy, which nobody rebuilds meanwhile
         pairs = [Pair(*top, work) for top in TOPS]
         for pair in pairs:
             prepare(program, pair)

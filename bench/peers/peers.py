@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""The same meshes and media by clustermcml, MMC and Mitsuba 3: peers.py --mmc PATH [--quick] [--shared] [--only SHAPE,...]
-[--rounds N] [--program PATH] [--out DIR]
+"""Compares clustermcml, MMC and Mitsuba 3 on the same meshes and media: peers.py --mmc PATH [--quick] [--shared] [--only SHAPE,...] [--rounds N]
+[--program PATH] [--out DIR]
 
-Eight shapes, each in four media, on one thread: ours without re-entry beside MMC, whose tetrahedra end there, by its fastest tracer S and
-by B; ours with it beside Mitsuba. All draw at random; ours and MMC play MCML's roulette. Only flights count; all take turns, a run that
-others disturbed is repeated, ratios are formed within a round. Beside the speeds stand the absorbed shares and how many errors of the
-difference they are apart; errors of a peer are those of as many packets of ours. `pip install mitsuba`; tetgen for MMC. Leaves peers.md
-in DIR, a quarter of an hour; --quick: one round of few photons, good for shares only; --shared: on a machine that others use, by user
-seconds less those of a start, nothing is repeated, Mitsuba only if there. bench/peers/README.md says more.
+There are eight shapes, each in four media, on one thread. This program without re-entry is compared with MMC, whose tetrahedra end at the surface,
+by MMC's fastest tracer S and by B. This program with re-entry is compared with Mitsuba. All sample at random; this program and MMC play MCML's
+roulette. Only flights count. All programs take turns, a run that others disturbed is repeated, and ratios are formed within a round. Beside the
+speeds stand the absorbed shares, and their difference in units of its error. The error of a peer is taken from as many packets of this program.
+`pip install mitsuba`; tetgen for MMC.
+
+Leaves peers.md in DIR, in a quarter of an hour. --quick: one round of few photons, good for shares only. --shared: for a machine that others use.
+Times are user seconds less those of a start, nothing is repeated, and Mitsuba takes part only if installed. bench/peers/README.md says more.
+
 SPDX-License-Identifier: MIT
 """
 import importlib.metadata
@@ -33,8 +36,8 @@ MEDIA = {medium: cases.data_lines(medium)[cases.ABOVE + 1] for medium in ("S2", 
 MEDIA["skin"] = "1.4 0.3 120 0.8 0.5"
 INSIDE = "1.5 1 50 0.5"  # medium of the ball
 GRID = "1e4"  # triangles of the wrapped grids
-LEVEL = "18"  # above a body: MMC finds no packet in tetrahedra as wide as the slab
-BALL, PARTS, DEPTH = 0.1, 4, 0.25  # 320 triangles [cm]
+LEVEL = "18"  # triangles of the level top above a body: MMC finds no packet in tetrahedra as wide as the slab
+BALL, PARTS, DEPTH = 0.1, 4, 0.25  # radius, parts of an edge (320 triangles), depth [cm]
 SHAPES = {
     "overhang": lambda path: shutil.copy(os.path.join(cases.ROOT, "meshes", "overhang.obj"), path),
     "cave": lambda path: cases.make_surface("cave", GRID, cases.AMPLITUDE, path),
@@ -45,18 +48,20 @@ SHAPES = {
     "ball": lambda path: shapes.write_ball(path, BALL, PARTS, -DEPTH),
     "skin": lambda path: shutil.copy(os.path.join(cases.ROOT, "meshes", "ridges.obj"), path),
 }
-TRACERS = ("S", "B")  # of MMC: the fastest, and the faster of those that are right below overhangs
-HALF_WIDTH = 30.0  # of Mitsuba's slab [cm]
-UNIT = 100  # in a cm: Mitsuba moves rays off surfaces by some 1e-4 units
-SECONDS = 0.4  # of a run, --shared half as long; --quick flies the pilots once
-FEW = 2000  # photons of a start
-BROKEN = 4  # errors apart, from which a peer's result is called broken
+TRACERS = ("S", "B")  # tracers of MMC: the fastest, and the faster of those that are right below overhangs
+HALF_WIDTH = 30.0  # half the width of Mitsuba's slab [cm]
+UNIT = 100  # units in a cm: Mitsuba moves rays off surfaces by some 1e-4 units
+SECONDS = 0.4  # length of a run [s]; --shared runs are half as long; --quick makes only the pilots
+FEW = 2000  # photons of a run that measures the start
+BROKEN = 4  # standard errors of a difference from which a peer's result is called broken
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 class Way:
-    """One program with its options on one scene: fly(photons, seed) gives (photons per second, absorbed share, disturbed); with `start`,
-    the user seconds of few photons, a second is one of the program's own; own_clock: as its fly counts them."""
+    """One program with its options on one scene.
+
+    fly(photons, seed) returns (photons per second, absorbed share, disturbed). start: user seconds of few photons; with it, a second is a user
+    second of the program. own_clock: a second is counted by the fly function itself."""
 
     def __init__(self, name, fly, pilot, own_clock=False):
         self.name, self.fly_once, self.photons, self.own_clock, self.runs, self.start = name, fly, pilot, own_clock, [], None
@@ -70,7 +75,7 @@ class Way:
             self.start = min((self.fly_once(FEW, seed), runs.spent)[1] for seed in (1, 2))
 
     def calibrate(self, seconds):
-        """A pilot on a shared machine must be long beside what its start takes now and then."""
+        """Sets the number of photons. On a shared machine, the pilot must be long beside the occasional time of a start."""
         self.photons = runs.two_digits(seconds * self.fly(self.photons // (10 if self.start is None else 1), 1)[0])
 
     def rates(self):
@@ -81,7 +86,7 @@ class Way:
 
 
 class Scene:
-    """A shape in a medium, as every program reads it."""
+    """A shape in a medium, in the formats of every program."""
 
     def __init__(self, shape, medium, work):
         self.shape, self.medium, self.body = shape, medium, shape == "ball"
@@ -102,7 +107,7 @@ class Scene:
         self.tetrahedra, self.ways, self.spread, self.lost = 0, {}, {}, 0
 
     def inside(self):
-        """(n, mua, mus, g) of the slab, and of the body."""
+        """Returns (n, mua, mus, g) of the slab, and of the body if there is one."""
         return [self.layer[:4]] + [[float(word) for word in INSIDE.split()]] * self.body
 
     def write_mmc(self, program):
@@ -122,7 +127,7 @@ class Scene:
 
 
 def fly_ours(scene, program, options, key):
-    """A flight of ours, which leaves the spread of a packet's absorbed share under that key."""
+    """Returns a function that runs this program, and that stores the spread of a packet's absorbed share under `key`."""
     case = cases.Case(scene.shape, scene.medium, scene.shape, scene.path, options)
 
     def fly(photons, seed):
@@ -156,7 +161,7 @@ def prepare(scene, program, their_mmc, mitsuba):
 
 
 def apart(scene, ours, theirs, key):
-    """Errors of the difference by which the peer's absorbed share is larger."""
+    """Returns the difference by which the peer's absorbed share is larger, in units of its error."""
     each = [sum(way.photons for _ in way.runs) for way in (ours, theirs)]
     return (theirs.absorbed() - ours.absorbed()) / (scene.spread[key] * math.sqrt(sum(1 / photons for photons in each)))
 
@@ -172,13 +177,13 @@ MITSUBA_TITLES, MITSUBA_SPEEDS = ("with re-entry", "by Mitsuba", "z"), ("with re
 
 
 def pairs(scene):
-    """What stands beside what: (ours, (peers), which errors)."""
+    """Returns the pairs that are compared: (this program, (peers), key of the errors)."""
     beside = (("ours", TRACERS, "mmc"), ("ours, re-entry", ("Mitsuba",), "mitsuba"))
     return [pair for pair in beside if pair[0] in scene.ways]
 
 
 def row(scene, quick):
-    """Cells; a quick run measures no speeds."""
+    """Returns the cells of a scene. A quick run measures no speeds."""
     ways, shares, speeds = scene.ways, [], []
     for ours, peers, key in pairs(scene):
         shares.append("%.5f" % ways[ours].absorbed())
@@ -190,7 +195,7 @@ def row(scene, quick):
 
 
 def broken(scenes):
-    """What to say of the peers whose shares are off."""
+    """Yields sentences on the peers whose shares are wrong."""
     for scene in scenes:
         for ours, peers, key in pairs(scene):
             for peer in peers:
@@ -202,7 +207,7 @@ def broken(scenes):
 
 
 def how(rounds, disturbed, quick, shared):
-    """What was measured."""
+    """Returns a description of the measurement."""
     if quick:
         return "few photons, once: no speeds"
     text = "median (least-most) of %d rounds, one thread" % rounds
@@ -238,7 +243,7 @@ def main():
     if arguments.quick:
         arguments.rounds = 1
     with tempfile.TemporaryDirectory() as work:
-        program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # nobody rebuilds it meanwhile
+        program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # a copy, which nobody rebuilds meanwhile
         scenes = [Scene(shape, medium, work) for shape in command.only(arguments.only, SHAPES, parser) for medium in MEDIA]
         for scene in scenes:
             prepare(scene, program, arguments.mmc, mitsuba)

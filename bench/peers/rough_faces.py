@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What does single scattering at rough faces lose? rough_faces.py [--photons N] [--rounds N] [--program PATH] [--out DIR]
+"""Measures the light that single scattering at rough faces loses: rough_faces.py [--photons N] [--rounds N] [--program PATH] [--out DIR]
 
-A slab with rough faces by ours, whose light walks on the facets until it leaves, and by Mitsuba 3's `roughdielectric`, whose light is
-reflected or refracted once and lost where it would meet the surface again. Stands beside each other what is not absorbed of a pencil, by
-Mitsuba as the light that comes along its ray where light is even all around. Both fly as many packets in as many rounds, and errors are
-those of the spread of rounds. `pip install mitsuba`. Leaves rough_faces.md in DIR; some minutes on one thread. bench/peers/README.md
-says more.
+A slab with rough faces is simulated by this program, whose light walks on the facets until it leaves, and by Mitsuba 3's `roughdielectric`, whose
+light is reflected or refracted once, and lost if it would meet the surface again. The unabsorbed share of a pencil is compared; Mitsuba measures it
+as the light along its ray in an even environment. Both use as many packets in as many rounds, and errors come from the spread of rounds. `pip
+install mitsuba`. Leaves rough_faces.md in DIR; takes some minutes on one thread. bench/peers/README.md says more.
+
 SPDX-License-Identifier: MIT
 """
 import importlib.metadata
@@ -26,12 +26,12 @@ import tables
 N, MEDIUM, D = 1.5, [1, 20, 0.8], 0.5
 FACES = ((), ("beckmann", 0.2), ("beckmann", 0.5), ("beckmann", 1), ("ggx", 0.2), ("ggx", 0.5), ("ggx", 1))
 ANGLES = (0, 45)
-UNIT, HALF_WIDTH = 100, 30.0  # units of a cm; [cm]
+UNIT, HALF_WIDTH = 100, 30.0  # units of a cm; half the width of the slab [cm]
 TITLES = ("faces", "angle", "ours: not absorbed", "Mitsuba", "lost", "z", "ours, core s of 1e6", "Mitsuba")
 
 
 def box(path):
-    """The slab, closed far away."""
+    """Writes the slab, closed far away."""
     square = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
     vertices = [(HALF_WIDTH * x, HALF_WIDTH * y, z) for z in (0, D) for x, y in square]
     sides = [[b, a, a + 4, b + 4] for a, b in ((1, 2), (2, 3), (3, 4), (4, 1))]
@@ -39,7 +39,7 @@ def box(path):
 
 
 def ours(program, work, faces, angle, photons, seeds):
-    """(core seconds, share that is not absorbed) by seed."""
+    """Returns (core seconds, share that is not absorbed) of this program, by seed."""
     line = "rough %s %g" % faces if faces else "# smooth"
     path = os.path.join(work, "slab.mci")
     with open(path, "w", encoding="ascii") as stream:
@@ -52,7 +52,7 @@ def ours(program, work, faces, angle, photons, seeds):
 
 
 def mitsuba(work, faces, angle, photons, seeds):
-    """The same by Mitsuba."""
+    """Returns (core seconds, share that is not absorbed) of Mitsuba, by seed."""
     path = os.path.join(work, "slab.json")
     scene = {"unit": UNIT, "angle": angle, "media": {"0": MEDIUM}, "shapes": [
         {"file": os.path.join(work, "slab.ply"), "n": [N, 1.0], "media": ["0", None], **({"rough": faces} if faces else {})}]}
@@ -64,7 +64,7 @@ def mitsuba(work, faces, angle, photons, seeds):
 
 
 def measured(flights, photons):
-    """(share, its error, core seconds of 1e6 packets) of flights of so many packets."""
+    """Returns (share, its error, core seconds of 1e6 packets) of flights of `photons` packets."""
     seconds, shares = zip(*flights)
     return statistics.fmean(shares), statistics.stdev(shares) / math.sqrt(len(shares)), 1e6 * statistics.fmean(seconds) / photons
 

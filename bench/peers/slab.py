@@ -1,7 +1,7 @@
-"""The slab below a mesh, or around a body, closed: for Mitsuba as it is, for MMC filled with tetrahedra by tetgen.
+"""Closes the slab below a mesh, or around a body: for Mitsuba as a surface, for MMC filled with tetrahedra by tetgen.
 
-Around the mesh, level, the slab goes on: one that ended with the mesh would lose light through its sides. Where no quality is asked of
-them, tetgen makes as few tetrahedra as the triangles allow, which is what MMC flies fastest.
+Around the mesh the slab goes on, level, because a slab that ended with the mesh would lose light through its sides. Without a demand for quality,
+tetgen makes as few tetrahedra as the triangles allow, which MMC flies fastest.
 
 SPDX-License-Identifier: MIT
 """
@@ -9,13 +9,13 @@ import json
 import math
 import subprocess
 
-HALF_WIDTH = 50.0  # of MMC's slab [cm]
-NS_OF_FLIGHT = 1000  # more than any packet lives
-MM = 10.0  # in a cm
+HALF_WIDTH = 50.0  # half the width of MMC's slab [cm]
+NS_OF_FLIGHT = 1000  # longer than any packet lives
+MM = 10.0  # mm in a cm
 
 
 def read_obj(path):
-    """(vertices [cm, z down], triangles of indices from 1) of an OBJ file that says no more."""
+    """Reads an OBJ file of vertices and triangles alone. Returns (vertices [cm, z down], triangles of indices from 1)."""
     vertices, triangles = [], []
     with open(path, encoding="utf-8") as stream:
         for words in map(str.split, stream):
@@ -28,7 +28,7 @@ def read_obj(path):
 
 
 def outline(triangles):
-    """The border as a polygon of indices from 1: the edges that only one triangle has, one behind the other."""
+    """Returns the border as a polygon of indices from 1: the edges of only one triangle, in order."""
     edges = {edge for a, b, c in triangles for edge in ((a, b), (b, c), (c, a))}
     follows = {a: b for a, b in edges if (b, a) not in edges}
     polygon = [next(iter(follows))]
@@ -38,10 +38,10 @@ def outline(triangles):
 
 
 def skirt(border, vertices, corners):
-    """Four level polygons between the border and the square around it, cut from each corner to the vertex next to it."""
+    """Yields four level polygons between the border and the square around it. Cuts run from each corner to the vertex next to it."""
     if sum(vertices[a - 1][0] * vertices[b - 1][1] - vertices[b - 1][0] * vertices[a - 1][1]
            for a, b in zip(border, border[1:] + border[:1])) < 0:
-        border = border[::-1]  # as the corners go round
+        border = border[::-1]  # the direction of the corners
     cuts = [min(range(len(border)), key=lambda i: math.dist(vertices[border[i] - 1][:2], vertices[corner - 1][:2]))
             for corner in corners]
     for k, first in enumerate(cuts):
@@ -51,8 +51,8 @@ def skirt(border, vertices, corners):
 
 
 def shell(obj, d, half):
-    """(vertices [cm, z down], polygons of indices from 1, counter-clockwise seen from outside) of the slab between the mesh, whose border
-    lies at z = 0, and a level bottom at depth d; half: its half width."""
+    """Returns the slab between the mesh, whose border lies at z = 0, and a level bottom at depth d: (vertices [cm, z down], polygons of indices
+    from 1, counter-clockwise seen from outside). half: its half width."""
     vertices, triangles = read_obj(obj)
     square = [(-half, -half), (half, -half), (half, half), (-half, half)]
     top, bottom = ([len(vertices) + first + k for k in range(4)] for first in (1, 5))
@@ -64,12 +64,12 @@ def shell(obj, d, half):
 
 
 def turn(a, b, c):
-    """Twice the area of the triangle in x and y, above 0 if it is counter-clockwise."""
+    """Returns twice the area of the triangle in x and y, above 0 if it is counter-clockwise."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def cut(polygon, vertices):
-    """Triangles of a polygon: what is level is cut ear by ear, else it is convex."""
+    """Returns the triangles of a polygon. A level polygon is cut ear by ear; any other is convex."""
     at = [vertices[i - 1] for i in polygon]
     if len({p[2] for p in at}) > 1:
         return [[polygon[0], b, c] for b, c in zip(polygon[1:], polygon[2:])]
@@ -88,7 +88,7 @@ def cut(polygon, vertices):
 
 
 def write_ply(shape, path, unit):
-    """A closed surface as triangles, z up, in so many units a cm."""
+    """Writes a closed surface as triangles, z up, with `unit` units in a cm."""
     vertices, polygons = shape
     triangles = [three for polygon in polygons for three in ([polygon] if len(polygon) == 3 else cut(polygon, vertices))]
     with open(path, "w", encoding="ascii") as stream:
@@ -99,7 +99,7 @@ def write_ply(shape, path, unit):
 
 
 def write_poly(shape, body, d, path):
-    """tetgen's input: https://wias-berlin.de/software/tetgen/fformats.poly.html. With a body, a region for it (2) and the slab (1)."""
+    """Writes tetgen's input: https://wias-berlin.de/software/tetgen/fformats.poly.html. With a body, the body is region 2 and the slab region 1."""
     vertices, polygons = shape
     regions = []
     if body:
@@ -117,16 +117,17 @@ def write_poly(shape, body, d, path):
 
 
 def read_tetgen(path, kind):
-    """Rows of numbers, without their index, of a .node or .ele file."""
+    """Returns the rows of a .node or .ele file as numbers, without their index."""
     with open(path) as stream:
         rows = [line.split() for line in stream if line.strip() and not line.startswith("#")]
     return [[kind(word) for word in row[1:]] for row in rows[1:]]
 
 
 def fill(obj, d, stem, body=None):
-    """(vertices [cm], tetrahedra of indices from 1 with their medium: 1, or 2 in the body) between the top and a level bottom at
-    depth d [cm]; body: a closed mesh like that of read_obj. stem: of the files to and from tetgen; in its last part a dot would
-    begin a number."""
+    """Fills the space between the top and a level bottom at depth d [cm]. Returns (vertices [cm], tetrahedra of indices from 1 with their medium:
+    1, or 2 in the body).
+
+    body: a closed mesh as read_obj returns it. stem: of the files to and from tetgen; a dot in its last part would begin a number."""
     write_poly(shell(obj, d, HALF_WIDTH), body, d, stem + ".poly")
     subprocess.run(["tetgen", "-pAQ" if body else "-pQ", stem + ".poly"], check=True, stdout=subprocess.DEVNULL)
     cells = read_tetgen(stem + ".1.ele", float)
@@ -134,7 +135,7 @@ def fill(obj, d, stem, body=None):
 
 
 def write_mmc(mesh, layers, position, direction, path):
-    """MMC's input for a pencil beam that is in the slab already. layers: (n, mua, mus, g) as in .mci, [1/cm], of each medium."""
+    """Writes MMC's input for a pencil beam that is in the slab already. layers: (n, mua, mus, g) of each medium as in .mci, [1/cm]."""
     vertices, tetrahedra = mesh
     media = [{"mua": 0, "mus": 0, "g": 1, "n": 1}]
     media += [{"mua": mua / MM, "mus": mus / MM, "g": g, "n": n} for n, mua, mus, g in layers]

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""What does MMC say of samples/vessel.mci? vessel.py --mmc PATH [--photons N] [--runs N] [--program PATH] [--out DIR]
+"""Compares samples/vessel.mci with MMC: vessel.py --mmc PATH [--photons N] [--runs N] [--program PATH] [--out DIR]
 
-MMC (https://github.com/fangq/mmc, `make -C src omp`) flies the sample's layers and its vessel, as the prism that
-`clustermcml mesh` makes of it, filled with tetrahedra by tetgen; the layers end HALF_WIDTH from the middle. Ours flies the
-sample as it is, and in double precision with the prism. Compared is the share of light that each medium absorbs; errors come
-from how the runs differ. Leaves vessel.md in DIR. SPDX-License-Identifier: MIT
+MMC (https://github.com/fangq/mmc, `make -C src omp`) simulates the sample's layers and its vessel. The vessel is the prism that `clustermcml mesh`
+makes of it, filled with tetrahedra by tetgen; the layers end HALF_WIDTH from the middle. This program simulates the sample unchanged, and in double
+precision with the prism. The share of light that each medium absorbs is compared. Errors come from the spread of runs. Leaves vessel.md in DIR.
+
+SPDX-License-Identifier: MIT
 """
 import json
 import math
@@ -26,13 +27,13 @@ import cml  # noqa: E402
 
 SAMPLE = os.path.join(cases.ROOT, "samples", "vessel.mci")
 HALF_WIDTH = 1.0  # [cm]
-ABOVE = 0.01  # of the room in which MMC's beam starts [cm]
+ABOVE = 0.01  # height of the space above the layers in which MMC's beam starts [cm]
 TOLERANCE = "1e-3"
 TITLES = ("absorbed by", "MMC", "ours, `cpu`", "off by", "ours, `reference`, prism", "off by")
 
 
 def read_sample():
-    """([(n, mua, mus, g, d)] of the layers, radius of the beam)"""
+    """Returns ([(n, mua, mus, g, d)] of the layers, radius of the beam)."""
     rows = [line.split() for line in cases.lines_of(SAMPLE)]
     beam = next(float(row[2]) for row in rows if row[0] == "beam")
     body = next(i for i, row in enumerate(rows) if row[0] == "i")
@@ -41,7 +42,7 @@ def read_sample():
 
 
 def write_poly(vessel, depths, path):
-    """tetgen's input: plates at all depths [cm, z down], walls around, the vessel; a region for each layer and the vessel."""
+    """Writes tetgen's input: plates at all depths [cm, z down], walls around, the vessel, and a region for each layer and the vessel."""
     square = [(-HALF_WIDTH, -HALF_WIDTH), (HALF_WIDTH, -HALF_WIDTH), (HALF_WIDTH, HALF_WIDTH), (-HALF_WIDTH, HALF_WIDTH)]
     points, polygons = [(x, y, z) for z in depths for x, y in square], []
     for i in range(len(depths)):
@@ -68,7 +69,7 @@ def write_poly(vessel, depths, path):
 
 
 def prepare(program, folder):
-    """Writes MMC's input; the media of its tetrahedra, 0 above the layers."""
+    """Writes MMC's input. Returns the media of its tetrahedra, 0 above the layers."""
     layers, beam = read_sample()
     subprocess.run([program, "mesh", SAMPLE, "--tolerance", TOLERANCE, "-o", folder], check=True, capture_output=True)
     depths = [-ABOVE, 0.0]
@@ -95,7 +96,7 @@ def prepare(program, folder):
 
 
 def fly_mmc(mmc, folder, media, photons, seed):
-    """[share that layer 1, 2, 3 and the vessel absorb]"""
+    """Returns [share that layer 1, 2, 3 and the vessel absorb]."""
     line = [mmc, "-f", "vessel.json", "-c", "sse", "-G", "-1", "-M", "S", "-b", "0", "-C", "0", "-e", "1e-4", "-O", "E",
                "-F", "ascii", "-S", "1", "-d", "0", "-D", "T", "-n", repr(photons), "-E", str(seed), "-s", "flown"]
     done = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=True)
@@ -117,7 +118,7 @@ def fly_ours(program, folder, photons, seed, *options):
 
 
 def summed(runs):
-    """[(mean, standard error)] of each number of the runs, and of their sum."""
+    """Returns [(mean, standard error)] of each number of the runs, and of their sum."""
     runs = [[*run, sum(run)] for run in runs]
     return [(statistics.fmean(column), statistics.stdev(column) / math.sqrt(len(runs))) for column in zip(*runs)]
 

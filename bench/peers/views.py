@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Does Mitsuba 3 see the same? views.py [--photons N] [--rays N] [--program PATH] [--out DIR]
+"""Tests if Mitsuba 3 sees the same light: views.py [--photons N] [--rays N] [--program PATH] [--out DIR]
 
-Three rough surfaces, one of which overhangs, above a turbid slab: where to the light of a slanted beam leaves (`directions`), and the
-picture that a slanted camera takes of what a lamp lights (`detector map`). Mitsuba follows rays backwards: those of the beam into an
-environment that shines from the bins of directions, three at a time as red, green and blue; and those that a pixel takes, evenly over
-its area and the camera's cone, to a lamp that shines with radiance 1. Both say what single rays bring, so errors come from their spread.
-`pip install mitsuba h5py`. Leaves views.md, and views.csv with all bins and pixels, in DIR; some
-minutes on one thread. bench/peers/README.md says more.
+Three rough surfaces, one of which overhangs, lie above a turbid slab. Two things are compared: the directions in which the light of a slanted beam
+leaves (`directions`), and the picture that a slanted camera takes of a surface under a lamp (`detector map`). Mitsuba follows rays backwards. Rays
+of the beam end in an environment that shines from the bins of directions, three bins at a time as red, green and blue. Rays of a pixel, evenly over
+its area and the camera's cone, end in a lamp of radiance 1. Errors come from the spread of single rays in both programs. `pip install mitsuba
+h5py`. Leaves views.md, and views.csv with all bins and pixels, in DIR; takes some minutes on one thread. bench/peers/README.md says more.
+
 SPDX-License-Identifier: MIT
 """
 import importlib.metadata
@@ -36,13 +36,13 @@ NT, NP = 3, 2
 BEAM = (0.1, 30, 40)  # radius, angle, azimuth
 LAMP, LAMP_Z = 0.6, -0.5  # width, depth [cm]
 PIXELS, PIXEL, NA, ANGLE, AZIMUTH, FOCUS = 3, 0.15, 0.5, 45, 70, -0.1
-UNIT, HALF_WIDTH, FAR = 100, 30.0, 2.0  # units of a cm; [cm] of the slab; of where rays begin
-BROKEN = []  # rays of Mitsuba's that brought NaN
+UNIT, HALF_WIDTH, FAR = 100, 30.0, 2.0  # units of a cm; half width of the slab [cm]; distance at which rays begin [cm]
+BROKEN = []  # rays of Mitsuba that brought NaN
 TITLES = ("surface", "seen", "bins or pixels", "ours", "error of a difference", "largest z", "z of their sum")
 
 
 def axis(angle, azimuth):
-    """Direction and the two across it, z up; light goes up along the first."""
+    """Returns a direction and the two directions across it, z up. Light goes up along the first."""
     a, p = math.radians(angle), math.radians(azimuth)
     return ((math.sin(a) * math.cos(p), math.sin(a) * math.sin(p), math.cos(a)),
             (math.cos(a) * math.cos(p), math.cos(a) * math.sin(p), -math.sin(a)), (-math.sin(p), math.cos(p), 0.0))
@@ -55,7 +55,7 @@ def combine(*terms):
 # ---- ours ----
 
 def ours(mesh, work, photons, extra):
-    """{name: (values, errors)} of the arrays of a run."""
+    """Returns {name: (values, errors)} of the arrays of a run."""
     import h5py
     text = cml.mci([" ".join(map(str, LAYER))], photons=photons, surfaces={0: 'm "%s"' % mesh}, extra=extra)
     cml.run(text.replace("out.mco A", "out.h5 B"), "--sampling", "random", keep=work)
@@ -64,7 +64,7 @@ def ours(mesh, work, photons, extra):
 
 
 def our_directions(mesh, work, photons):
-    """Shares of the launched light, by bin: what has been in the material, and what has not."""
+    """Yields the shares of the launched light by bin, both of light that was in the material and of light that was not."""
     arrays = ours(mesh, work, photons, ["beam disk %g angle=%g azimuth=%g" % BEAM, "directions %d %d" % (NT, NP)])
     edges = [math.cos(math.pi / 2 * k / NT) for k in range(NT + 1)]
     for i in range(NT * NP):
@@ -91,21 +91,21 @@ def load(mesh, work, more):
 
 
 def sky(mi, colours):
-    """Radiance 1 from those bins, one in each colour; edges of bins lie between two pixels. Columns begin at y and go round against the
-    azimuth."""
+    """Returns an environment of radiance 1 from some bins, one bin in each colour. Edges of bins lie between two pixels. Columns begin at y and run
+    against the azimuth."""
     import numpy as np
     rows, columns = 600 * NT, 1200 * NP
     theta, phi = np.arange(rows // 2) * 2 * NT // rows, ((columns // 4 - 1 - np.arange(columns)) % columns) * NP // columns
     image = np.zeros((rows, columns, 3), dtype=np.float32)
     for k, i in enumerate(colours):
         image[:rows // 2, :, k] = np.outer(theta == i // NP, phi == i % NP)
-    turned = mi.ScalarTransform4f().rotate([1, 0, 0], 90)  # its poles are those of y
+    turned = mi.ScalarTransform4f().rotate([1, 0, 0], 90)  # the poles of the image are those of y
     return {"type": "envmap", "bitmap": mi.Bitmap(image), "to_world": turned}
 
 
 def follow(mi, scene, rays, draw):
-    """Means and errors of what rays bring, by colour. draw: () -> (start [cm], direction, factor). Rays that bring NaN are counted and
-    replaced."""
+    """Follows rays. Returns means and errors of the light that they bring, by colour. draw: () -> (start [cm], direction, factor). Rays that bring
+    NaN are counted and replaced."""
     integrator, sampler = scene.integrator(), mi.load_dict({"type": "independent", "sample_count": rays})
     sampler.seed(random.getrandbits(31))
     sums, squares = [0.0] * 3, [0.0] * 3
@@ -141,7 +141,7 @@ def lamp(mi):
 
 def their_picture(mi, mesh, work, rays):
     scene, (up, across, other) = load(mesh, work, {"light": lamp(mi)}), axis(ANGLE, AZIMUTH)
-    least = math.sqrt(1 - NA**2)  # cosine of the cone
+    least = math.sqrt(1 - NA**2)  # cosine of the cone's half-angle
     solid = 2 * math.pi * (1 - least)
     for i in range(PIXELS * PIXELS):
         corner = [PIXEL * (i % PIXELS - PIXELS / 2), PIXEL * (i // PIXELS - PIXELS / 2)]
@@ -173,7 +173,7 @@ def rows(mi, work, photons, rays):
 
 
 def summary(found):
-    """A row for all bins, or pixels, of a surface: least and most, the mean error of a difference, the largest z and the mean of z."""
+    """Yields a row for all bins, or pixels, of a surface: least and most, the mean error of a difference, the largest z and the mean of z."""
     for surface, seen in sorted({(row["surface"], row["seen"]) for row in found}):
         some = [row for row in found if (row["surface"], row["seen"]) == (surface, seen)]
         of = [row["ours"] for row in some]

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""What do bodies cost? bodies.py [--rounds N] [--against PATH] [--program PATH] [--out DIR]
+"""Measures the cost of bodies: bodies.py [--rounds N] [--against PATH] [--program PATH] [--out DIR]
 
-Flies scenes with a body and without it, of another clustermcml (--against) in the same rounds. Leaves bodies.md in DIR, medians:
-processor time per step, and steps per second over those of the same scene without bodies. bench/speed/README.md says more.
+Runs scenes with a body and without it, also with another clustermcml (--against) in the same rounds. Leaves bodies.md in DIR, with medians of the
+processor time per step, and of the steps per second over those of the same scene without bodies. bench/speed/README.md says more.
+
 SPDX-License-Identifier: MIT
 """
 import os
@@ -16,13 +17,13 @@ import runs
 import shapes
 import tables
 
-FEW, MANY = 2000, 150000  # photons: what a run takes beside its steps falls out of the difference
+FEW, MANY = 2000, 150000  # photons of two runs, whose difference removes all time outside of steps
 EDGE_PARTS = 71  # 20 * 71^2 = 100820 triangles
 OTHER = "1.5 1 50 0.5"  # medium of the bodies in S6a
 
 
 def scenes():
-    """Name, lines and name of the scene without bodies."""
+    """Yields name, lines, and name of the scene without bodies."""
     lines = cases.data_lines("S6a")
     layer = next(k for k, line in enumerate(lines) if line.startswith("1.4 ")) + 1
     bodies = {"S6a-mesh-1e5": f'i "ball.obj" {OTHER} shift=0,0,-0.25', "S6a-sphere-0.1": f"i sphere 0 0 0.25 0.1 {OTHER}",
@@ -49,7 +50,7 @@ def measure(program, folder, name, seed):
 
 
 def lines(arguments):
-    """The table, of all programs in turn."""
+    """Returns the table of all programs, which take turns."""
     folder, programs = os.path.join(arguments.out, "bodies"), [arguments.program] + [arguments.against] * bool(arguments.against)
     os.makedirs(folder, exist_ok=True)
     shapes.write_ball(os.path.join(folder, "ball.obj"), 0.1, EDGE_PARTS)

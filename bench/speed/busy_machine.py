@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Do threads wait for threads that the system does not let run? busy_machine.py [--rounds N] [--loops N] [--against PATH]
-[--program PATH]
+"""Tests if threads wait for threads that the system does not let run: busy_machine.py [--rounds N] [--loops N] [--against PATH] [--program PATH]
 
-Every round runs every case on one thread and on two, beside N (2) busy loops; --against is another clustermcml, run in the same
-rounds. --loops 0: an idle machine, threads bound to cores. Prints medians: wall and processor seconds of the process, on two
-threads also over those on one. SPDX-License-Identifier: MIT
+Every round runs every case on one thread and on two, beside N (2) busy loops. --against is another clustermcml, run in the same rounds. --loops 0
+means an idle machine, with threads bound to cores. Prints medians: wall and processor seconds of the process, and the ratios of two threads to one.
+
+SPDX-License-Identifier: MIT
 """
 import os
 import statistics
@@ -22,7 +22,7 @@ LOOP = ["sh", "-c", "while :; do :; done"]
 
 
 def measure(program, scene, photons, threads, folder, bound):
-    """Wall and processor seconds of one run."""
+    """Returns the wall and processor seconds of one run."""
     environment = dict(os.environ)
     if bound:
         environment["OMP_PROC_BIND"] = "true"
@@ -38,7 +38,7 @@ def measure(program, scene, photons, threads, folder, bound):
 
 
 def take_turns(rounds, programs, folder, bound):
-    """[case, program, threads]: (wall, processor) of each round; what is compared runs one behind the other."""
+    """Runs all cases in turns. Returns {(case, program, threads): (wall, processor) of each round}. Compared runs follow one another."""
     runs = {(case, program, threads): [] for case in CASES for program in programs for threads in (1, 2)}
     for number in range(rounds):
         order = list(runs) if number % 2 == 0 else list(reversed(runs))

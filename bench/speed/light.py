@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""What do sources and phase functions cost? light.py [--rounds N] [--program PATH] [--out DIR]
+"""Measures the cost of sources and phase functions: light.py [--rounds N] [--program PATH] [--out DIR]
 
-Launches: packets that an absorber of the index around it takes at once, so that they are all that is done. Phase functions: a slab
-(S6a of g = 0.9) with Henyey and Greenstein's function, and with the same function as gk and as a table, which are drawn alike. Leaves
-light.md in DIR, medians of processor time, and of the difference or ratio to what stands first. bench/speed/README.md says more.
+Launches: packets are absorbed at once, by a medium with the index of its surroundings, so that a run does nothing else. Phase functions: a slab
+(S6a of g = 0.9) has Henyey and Greenstein's function, or the same function as gk and as a table, which are drawn alike. Leaves light.md in DIR,
+with medians of processor time, and of the difference or ratio to the first row. bench/speed/README.md says more.
+
 SPDX-License-Identifier: MIT
 """
 import math
@@ -17,14 +18,14 @@ import command
 import runs
 import tables
 
-FEW = 2000  # photons: what a run takes beside its flight falls out of the difference
+FEW = 2000  # photons of the shorter run; the difference of two runs removes all time outside of the flight
 LAUNCHED, SCATTERED = 10000000, 200000
 BEAMS = ("disk 0.1", "pencil", "gaussian 0.1", "ring 0.05 0.1", "rectangle 0.1 0.2", 'image "stripes.gsf"', "disk 0.1 light=na:0.5",
          "disk 0.1 light=lambertian", 'disk 0.1 light="lamp.txt"', "disk 0.1 z=0.1 light=isotropic")
 
 
 def scenes(folder):
-    """Kind, name, lines; the first of a kind is what the others are held to."""
+    """Yields kind, name, lines. The first scene of a kind is the standard for the others."""
     with open(os.path.join(folder, "lamp.txt"), "w") as file:
         file.write("0 1\n30 0.8\n60 0\n")
     with open(os.path.join(cases.ROOT, "meshes", "stripes.gsf"), "rb") as image, open(os.path.join(folder, "stripes.gsf"), "wb") as copy:
@@ -35,7 +36,7 @@ def scenes(folder):
     layer = next(k for k, line in enumerate(lines) if line.startswith("1.4 "))
     lines[layer] = f"1.4 0.1 90 {g} 0.5"
     with open(os.path.join(folder, "law.txt"), "w") as file:
-        for i in range(3601):  # closest where the function is steep
+        for i in range(3601):  # points are closest where the function is steep
             t = 180 * (i / 3600) ** 2
             file.write(f"{t:.10g} {(1 + g * g - 2 * g * math.cos(math.radians(t))) ** -1.5:.17g}\n")
     for phase in ("", f"phase gk {g} 0.5", 'phase table "law.txt"'):
@@ -49,7 +50,7 @@ def cpu_seconds(program, folder, photons, seed):
 
 
 def nanoseconds(program, folder, kind, lines, seed):
-    """Of a packet, or of a step."""
+    """Returns the nanoseconds of a packet (launches) or of a step (phase functions)."""
     with open(os.path.join(folder, "light.mci"), "w") as file:
         file.write("\n".join(lines) + "\n")
     many = LAUNCHED if kind == "launch" else SCATTERED

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""Photons per second of the opencl engine:
+"""Measures the photons per second of the opencl engine:
+
     opencl.py [--device I] [--seconds S] [--rounds N] [--cpu] [--program PATH]
-Prints one row per scene: S1 to S6, the shape flat50 and the hill, as plane and as cones. The first run of a scene
-builds the kernel and is not timed; the number of photons is then raised until a run takes S seconds (default 2), and
-the median of N runs (default 5) is printed with its least and most. --cpu times the cpu engine in the same rounds.
+
+Prints one row per scene: S1 to S6, the shape flat50, and the hill as plane and as cones. The first run of a scene builds the kernel and is not
+timed. The number of photons is then raised until a run takes S seconds (default 2). The median of N runs (default 5) is printed with its least and
+most. --cpu times the cpu engine in the same rounds.
+
 SPDX-License-Identifier: MIT
 """
 import os
@@ -25,7 +28,7 @@ CASES = {**{name: [path] for name, path in cases.SCENES.items() if name != "A"},
 
 
 def calibrate(fly, seconds):
-    """Photons of a run that takes about so long, at most MOST_PHOTONS."""
+    """Returns the photons of a run that takes about that many seconds, at most MOST_PHOTONS."""
     photons = 10000
     while photons < MOST_PHOTONS:
         took = fly(photons)["seconds"]
@@ -40,7 +43,7 @@ def spread(values):
 
 
 def row_of_each(arguments, name, scene, work):
-    """Cells of every engine."""
+    """Returns the cells of every engine."""
     engines = {"opencl": ["--device", arguments.device] if arguments.device else [], **({"cpu": []} if arguments.cpu else {})}
 
     def fly(engine, photons, *options):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Medians, ratios, CSV and tables of the bench. As a program: results.py [--irregular] CSV README.md rewrites the table
-there, or that of the irregular tops.
+"""Computes medians, ratios, CSV and tables of the bench. As a program, results.py [--irregular] CSV README.md rewrites the table there, or that of
+the irregular tops.
 
 SPDX-License-Identifier: MIT
 """
@@ -18,7 +18,7 @@ README_ROWS = ("S1", "S2", "S3", "S4", "S5", "S6a", "S6b", "S6a-rough-1e3", "S6a
 
 
 def spread(name, values):
-    """Median, minimum and maximum under three column names."""
+    """Returns median, minimum and maximum under three column names."""
     if not values:
         return {name: "", name + "_min": "", name + "_max": ""}
     return {name: statistics.median(values), name + "_min": min(values), name + "_max": max(values)}
@@ -33,12 +33,12 @@ def nanoseconds(case):
 
 
 def surface_of(run):
-    """Kind and primitives of the first boundary, the only one that may be curved here."""
+    """Returns kind and primitives of the first boundary, the only one that may be curved here."""
     return run["boundaries"][0]["kind"], run["boundaries"][0]["primitives"]
 
 
 def accuracy(case):
-    """The rounds have different seeds: their mean is a better Rd than any of them."""
+    """Returns the columns on Rd and lost packets. The rounds have different seeds, so that their mean is a better Rd than any of them."""
     n = len(case.runs)
     known = cases.reference(case.medium) if case.surface == "flat" else None
     row = {"Rd": sum(run["Rd"] for run in case.runs) / n,
@@ -53,8 +53,8 @@ def accuracy(case):
 
 
 def row_of(case, flat, grid, single):
-    """One row; flat is the plane of the same medium and threads, grid the regular grid that an irregular top stands
-    beside, or None, single the same case on one thread."""
+    """Returns one row. flat: the plane with the same medium and threads. grid: the regular grid beside an irregular top, or None. single: this case
+    on one thread."""
     runs = case.runs
     kind, primitives = surface_of(runs[0])
     row = {"case": case.name, "medium": case.medium, "surface": case.surface, "kind": kind,
@@ -89,7 +89,7 @@ def ranged(row, name, digits):
 
 
 def cells(row):
-    """The cells of a table for people."""
+    """Returns the cells of a table for people."""
     exact = " (%.5f)" % float(row["Rd_reference"]) if row["Rd_reference"] != "" else ""
     return [row["case"], row["kind"], str(row["primitives"]), str(row["threads"]), ranged(row, "ns_per_step", 1),
             ranged(row, "to_flat", 2), ranged(row, "mcml_to_ours", 1), "%.1f" % (100 * float(row["query_share"])),
@@ -105,8 +105,7 @@ GRID_TITLES = ["irregular top", "threads", "ns/step", "x flat", "x regular grid"
 
 
 def irregular(table):
-    """The cells of a table of the irregular tops beside the regular grids of as many triangles; results from before
-    they were measured have none."""
+    """Returns the cells of a table of irregular tops beside regular grids of as many triangles. Older results have none."""
     by_name = {(row["case"], row["threads"]): row for row in table}
     found = []
     for row in table:
@@ -121,15 +120,15 @@ def irregular(table):
 
 
 def lines(header, table):
-    """What is printed."""
+    """Returns the lines that are printed."""
     return ["%s: %s" % pair for pair in header] + ["", *tables.aligned([TITLES] + [cells(row) for row in table]), "", *tables.aligned(
         [GRID_TITLES] + irregular(table)), ""] + ["%s: %s threads %s times one thread" % (
             row["case"], row["threads"], ranged(row, "one_to_threads", 2)) for row in table if row["one_to_threads"] != ""]
 
 
 def series(table):
-    """What speed_chart.py draws: (primitives, ns per step, least, most) per medium, surface and kind on one thread; as "mcml" (case, ratio to
-    original MCML, least, most)."""
+    """Returns the data of speed_chart.py: (primitives, ns per step, least, most) per medium, surface and kind on one thread, and under "mcml"
+    (case, ratio to original MCML, least, most)."""
     found = {}
     for row in table:
         if row["threads"] == "1":
@@ -141,7 +140,7 @@ def series(table):
 
 
 def readme_lines(header, table):
-    """What was measured, and a table of the chosen rows without the column of threads."""
+    """Yields a line on the measurement, and a table of the chosen rows without the column of threads."""
     about, drop = dict(header), TITLES.index("threads")
     gains = ["%s %s" % (row["case"], ranged(row, "one_to_threads", 2)) for row in table if row["one_to_threads"] != ""]
     yield tables.measured(header, "compiler") + "; median (least-most) of %s rounds. Two threads over one: %s." % (
@@ -153,7 +152,7 @@ def readme_lines(header, table):
 
 
 def irregular_lines(header, table):
-    """What was measured, and the table of tops beside regular grids."""
+    """Yields a line on the measurement, and the table of tops beside regular grids."""
     yield tables.measured(header) + "; median (least-most) of %s rounds." % dict(header)["rounds"]
     yield ""
     yield from tables.table(GRID_TITLES, irregular(table))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What ranks cost each other, measured on 1 to 8 ranks of this machine, and a model of more: scaling.py [--photons N]
-[--program PATH] [--out DIR]. Leaves scaling.txt in DIR.
+"""Measures the cost of more ranks, on 1 to 8 ranks of this machine, and predicts it for more: scaling.py [--photons N] [--program PATH] [--out
+DIR]. Leaves scaling.txt in DIR.
 
 SPDX-License-Identifier: MIT
 """
@@ -16,13 +16,13 @@ import runs
 import tables
 
 RANKS = (1, 2, 4, 8)
-ROUNDS = 3            # the least of each figure counts: other programs only ever add to it
+ROUNDS = 3            # the least of each figure counts, because other programs can only add to it
 GRIDS = ((100, 100), (1000, 1000), (2000, 3000))  # nz nr: 1e4, 1e6 and 6e6 bins
-RUN_SECONDS = 3600    # of the runs that are predicted
-CHECKPOINT = 60       # seconds between meetings, but at least 20 times what the last took (run.c)
-SERVICE = 5e-6        # assumed: one question costs rank 0's attendant so much
-BANDWIDTH = 1.25e9    # assumed: bytes per second between two hosts, 10 Gbit/s
-CELL = 16             # bytes
+RUN_SECONDS = 3600    # length of the predicted runs
+CHECKPOINT = 60       # seconds between meetings of the ranks, at least 20 times the length of the last meeting (run.c)
+SERVICE = 5e-6        # assumed cost of one question for the attendant of rank 0 [s]
+BANDWIDTH = 1.25e9    # assumed bytes per second between two hosts, 10 Gbit/s
+CELL = 16             # bytes of a cell
 
 SCENE = """1.0
 1
@@ -38,7 +38,7 @@ scaling.mco A
 
 
 def cells(nz, nr):
-    """Of a result: grid, exits, layers, and 64 batches of profiles (tally.c)."""
+    """Returns the number of cells of a result: grid, exits, layers, and 64 batches of profiles (tally.c)."""
     return nz * nr + 2 * nr + 3 + 64 * (2 * nr + 2 + nz)
 
 
@@ -53,7 +53,7 @@ def fly(program, photons, ranks, grid):
 
 
 def costs(record):
-    """Seconds, idle, communication, seconds per question, seconds of the last meeting."""
+    """Returns seconds, idle share, communication share, seconds per question, seconds of the last meeting."""
     others = record["rank_s"][1:]
     questions = sum(rank["ranges"] + 1 for rank in others)
     latency = sum(rank["asking"] for rank in others) / questions if others else 0.0
@@ -62,7 +62,7 @@ def costs(record):
 
 
 def measure(program, photons):
-    """Rows (ranks, cells, *costs)."""
+    """Returns rows (ranks, cells, *costs)."""
     rows = []
     for grid in GRIDS:
         for ranks in RANKS:
@@ -72,7 +72,7 @@ def measure(program, photons):
 
 
 def fit_meeting(rows):
-    """Least squares of meeting = log2(ranks) (a + b cells)."""
+    """Fits meeting = log2(ranks) (a + b cells) by least squares. Returns a and b."""
     points = [(n, m / math.log2(p)) for p, n, *_, m in rows if p > 1]
     mean_n, mean_m = (statistics.fmean(column) for column in zip(*points))
     b = sum((n - mean_n) * (m - mean_m) for n, m in points) / sum((n - mean_n) ** 2 for n, _ in points)
@@ -81,7 +81,7 @@ def fit_meeting(rows):
 
 
 def predict(ranks, bins, latency, a, b):
-    """Shares of a run's time: asking, meetings, end, pieces; see bench/speed/README.md."""
+    """Returns the predicted shares of a run's time: asking, meetings, end, pieces; see bench/speed/README.md."""
     n = bins + 64 * 3 * math.sqrt(bins)
     overhead = n * 3 * 8 / 5e9  # clearing and adding two tallies at 5 GB/s
     target = max(0.5, 1e-4 * ranks, 50 * overhead)
@@ -95,7 +95,7 @@ def predict(ranks, bins, latency, a, b):
 
 
 def lines(program, photons):
-    """The table of what was measured, and that of the model."""
+    """Yields the table of measurements, and the table of the model."""
     os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_WAIT_POLICY="passive")
     yield (tables.measured(tables.machine(program, ROUNDS)) + f"; load {os.getloadavg()[0]:.1f}; {photons:.0e} photons of a thick slab, one thread per rank")
     yield (f"{'ranks':>5} {'cells':>9} {'s':>7} {'idle %':>7} {'comm. %':>8} {'question ms':>12} {'meeting ms':>11}")
@@ -104,7 +104,7 @@ def lines(program, photons):
         yield (f"{ranks:5d} {n:9d} {seconds:7.2f} {100 * idle:7.2f} {100 * communication:8.2f} {1e3 * latency:12.2f} "
               f"{1e3 * meeting:11.2f}")
     a, b = fit_meeting(rows)
-    # with more ranks than cores a question waits for its turn on a core, which no cluster has to
+    # with more ranks than cores, a question waits for a core, which does not happen on a cluster
     latency = statistics.median(row[5] for row in rows if 1 < row[0] <= max(2, os.cpu_count()))
     yield (f"meeting = log2(ranks) ({1e3 * a:.2f} ms + {1e9 * b:.2f} ns per cell), question {1e3 * latency:.2f} ms")
     yield (f"{'ranks':>6} {'bins':>6} {'asking %':>9} {'meetings %':>11} {'end %':>6} {'pieces %':>9} {'efficiency %':>13}")

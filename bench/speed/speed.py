@@ -1,14 +1,19 @@
 #!/usr/bin/env python3
 """Measures the speed of clustermcml:
-    speed.py [--quick] [--irregular] [--rounds N] [--mcml PATH] [--program PATH] [--out DIR]
-by default of build/clustermcml into bench/out. --mcml is a binary of original MCML, timed on the flat scenes in the
-same rounds. --irregular flies irregular and overhanging tops only, with the regular grids and planes beside them. Leaves speed.csv,
-speed.txt and, with matplotlib, speed.svg.
-    speed.py --draw CSV SVG
-draws a result again. bench/speed/README.md says how to read them.
 
-Every round runs every case once, and every second round runs them backwards, so that a machine that slows down or is
-shared hits all of them alike. Ratios are taken within a round; reported are medians, with minimum and maximum.
+    speed.py [--quick] [--irregular] [--rounds N] [--mcml PATH] [--program PATH] [--out DIR]
+
+By default the program is build/clustermcml and DIR is bench/out. --mcml is a binary of original MCML, which is timed on the flat scenes in the same
+rounds. --irregular runs only irregular and overhanging tops, with the regular grids and planes beside them. Leaves speed.csv, speed.txt and, with
+matplotlib, speed.svg.
+
+    speed.py --draw CSV SVG
+
+draws a result again. bench/speed/README.md explains the results.
+
+Every round runs every case once, and every second round runs them in reverse order, so that a machine that slows down or is shared affects all
+cases alike. Ratios are formed within a round. Medians are reported, with minimum and maximum.
+
 SPDX-License-Identifier: MIT
 """
 import os
@@ -26,11 +31,11 @@ import runs
 import speed_chart
 import tables
 
-THREADS_TARGET = 3  # runs on several threads are so much longer, for their ratio is within a tenth of its bound
+THREADS_TARGET = 3  # factor by which runs on several threads are longer, because their ratio is within a tenth of its bound
 
 
 def calibrate(program, mcml, case, target):
-    """Numbers of photons that take about target seconds."""
+    """Sets the numbers of photons that take about `target` seconds."""
     runs.calibrate(program, case, target)
     if mcml and case.surface == "flat" and case.threads == 1:
         case.mcml_start, case.mcml_photons = runs.calibrate_mcml(mcml, cases.data_lines(case.medium), target)
@@ -40,7 +45,7 @@ def measure(program, mcml, todo, rounds):
     for index in range(rounds):
         for case in todo if index % 2 == 0 else todo[::-1]:
             print("\rround %d of %d: %-24s" % (index + 1, rounds, case.name), end="", file=sys.stderr)
-            # a new seed per round: the rounds then also add up to one better Rd
+            # every round has a new seed, so that all rounds together give one better Rd
             case.runs.append(runs.fly_alone(program, case, case.photons, index + 1))
             if case.mcml_photons:
                 seconds, rd, disturbed = runs.fly_mcml(mcml, cases.data_lines(case.medium), case.mcml_photons)
@@ -61,7 +66,7 @@ def main():
     target = 0.25 if arguments.quick else 0.7
     begin = time.time()
     with tempfile.TemporaryDirectory() as work:
-        # a copy: nobody rebuilds it between two rounds
+        # a copy, which nobody rebuilds between two rounds
         program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))
         todo = cases.all_cases(work, arguments.quick)
         if arguments.irregular:

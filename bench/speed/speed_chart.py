@@ -1,5 +1,5 @@
-"""Two panels from a result of speed.py: time per step against the number of primitives, and the ratio to original MCML. The kind of a
-surface shows as the marker's shape, the medium as open or filled, so that no series needs its colour.
+"""Draws two panels from a result of speed.py: time per step against the number of primitives, and the ratio to original MCML. The shape of a marker
+shows the kind of surface, and open or filled markers the medium, so that no series needs its colour.
 
 SPDX-License-Identifier: MIT
 """
@@ -14,7 +14,7 @@ MEDIA = {"S2": (RED, False, "--"), "S6a": (BLUE, True, "-.")}
 
 
 def with_range(axes, points, colour):
-    """Upright lines from the least to the most of all rounds."""
+    """Draws upright lines from the least to the most of all rounds."""
     axes.vlines([point[0] for point in points], [point[2] for point in points], [point[3] for point in points], color=colour, linewidth=1)
 
 

@@ -1,16 +1,23 @@
 #!/usr/bin/env python3
-"""The atlas of what fails where:
+"""Makes the atlas of failures by situation and method:
+
     atlas.py [--quick] [--full] [--only WORD,...] [--build DIR] [--out DIR]
     atlas.py --natural [--crossings N] [--full] [--only WORD,...] [--build DIR] [--out DIR]
-by default of build/ into bench/out, within 30 minutes on two cores; --quick within 3; --full adds 1e6 and 1e7
-triangles, --only leaves situations with a WORD in their name. Leaves atlas.csv and atlas.md, a row per situation and aim, a column
-per method. --natural: N (1e9) crossings in all of packets aimed at nothing in particular, within 20 minutes; leaves natural.csv and
-natural.md, a row per method, and what was found. tests/stability/README.md says what is flown and counted.
+
+By default programs come from build/, and results go to bench/out, within 30 minutes on two cores; with --quick within 3. --full adds 1e6 and 1e7
+triangles. --only selects situations with a WORD in their name. Leaves atlas.csv and atlas.md, with a row per situation and aim, and a column per
+method. --natural: N (1e9) crossings in all, of packets aimed at any point of a face, within 20 minutes. It leaves natural.csv and natural.md, with
+a row per method, and the events. tests/stability/README.md says what is simulated and counted.
+
     atlas.py --table CSV
     atlas.py --natural-table CSV
-print what was flown so again.
+
+print such results again.
+
     atlas.py --readme README
+
 writes the short table there from the files in bench/stability/results.
+
 SPDX-License-Identifier: MIT
 """
 import csv
@@ -30,7 +37,7 @@ SAME = {"reference": "reference-cone", "cpu": "cpu-cone"}  # planes stand in the
 
 
 def rate(events, crossings):
-    """Per 1e8 crossings; after no event at all the bound that 95 % of such flights would keep (rule of three)."""
+    """Returns the events per 1e8 crossings. Without an event, returns the bound that 95 % of such flights would keep (rule of three)."""
     return f"{events * 1e8 / crossings:.3g}" if events else f"<{3e8 / crossings:.2g}"
 
 
@@ -71,7 +78,7 @@ def natural_lines(cells):
 
 
 def program_text(program):
-    """What the program's own flight said, or how it ended."""
+    """Returns the message of the program's own flight, or how it ended."""
     return f"lost {program['lost']}, trapped {program['trapped']}, {program['note']}" if program["status"] == "flown" else (
         f"{program['status']}: {program['note']}")
 
@@ -132,7 +139,7 @@ KINDS = (("ridges, tips, rough meshes", "ridges-and-tip cone-tip pit-tip pole-of
 
 
 def read_cells(path):
-    """No cells where no such file was kept."""
+    """Returns the cells of a CSV file, or none if no such file was stored."""
     if not os.path.exists(path):
         return []
     with open(path, encoding="utf-8") as file:
@@ -175,7 +182,7 @@ def rewrite(readme):
 # --- the program ---
 
 def built(path):
-    """A build folder with the program and the walker."""
+    """Returns a build folder with the program and the walker."""
     for name in PROGRAMS:
         command.built(os.path.join(path, name))
     return os.path.abspath(path)
@@ -194,7 +201,7 @@ def main():
     arguments = parser.parse_args()
     kept = os.path.join(arguments.out, "natural" if arguments.natural else "atlas")
     how = (["--natural", "--crossings", str(arguments.crossings), "--seconds", "0"] if arguments.natural
-           else ["--crossings", "1e8", "--seconds", "0.2" if arguments.quick else "5"])  # a cell, which ends by its seconds
+           else ["--crossings", "1e8", "--seconds", "0.2" if arguments.quick else "5"])  # each cell ends by its seconds
     os.makedirs(arguments.out, exist_ok=True)
     done = subprocess.run([sys.executable, "-B", os.path.join(cases.ROOT, "tests", "stability", "atlas.py"),
                            *(os.path.join(arguments.build, name) for name in PROGRAMS), "--out", kept + ".csv", "--only", arguments.only,

@@ -7,13 +7,14 @@ program=$(realpath "${CLUSTERMCML:-../../build/clustermcml}")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-# scene PAGE NAME.mci: the scene of a page whose first line is "# NAME.mci", as a file in $folder.
+# Writes the scene of a page to $folder. `scene PAGE NAME.mci` takes the block whose first line is "# NAME.mci".
 scene() {
     awk -v first="# $2" '/^```/ { on = 0 } start { on = $0 == first } on { print } { start = $0 == "```mci" }' "$1" >"$folder/$2"
     ln -sfn "$(realpath ../../meshes)" "$folder/meshes"
 }
 
-# page PAGE DRAWN=KEPT ...: runs the blocks of a page in a folder of its own, and keeps pictures that its commands draw.
+# Runs the blocks of a page in a folder of its own, and keeps pictures that its commands draw: `page PAGE DRAWN=KEPT
+# ...`.
 page() {
     text=$(realpath "$1")
     shift
@@ -69,7 +70,7 @@ printf 'skin.mua,skin.mus\n0.1,50\n0.2,50\n0.4,50\n0.1,100\n0.2,100\n0.4,100\n' 
 "$program" run "$folder/slab.mci" --sweep "$folder/table.csv" -o "$folder" --quiet
 "$program" plot "$folder/slab.sweep.csv" --of Rd --over skin.mua --by skin.mus -o pictures/sweep.svg
 
-# Pictures of some 1e7 packets, which bench/README.md and README show, too.
+# Draws pictures of some 1e7 packets, which bench/README.md and README also show.
 python3 ../../bench/accuracy/figures.py --program "$program" --out "$folder/figures"
 rsvg-convert -w 620 "$folder/figures/skin.svg" -o pictures/skin.png
 for kept in furrows=tutorial-furrows head=tutorial-head camera=tutorial-camera gloss=tutorial-gloss \

@@ -37,7 +37,7 @@ def frame(axes, title, x, y):
 
 
 def shapes():
-    """Irradiance of each shape on the plane across the axis: darker is more light."""
+    """Draws the irradiance of each shape on the plane across the axis. Darker means more light."""
     side = np.linspace(-1.2, 1.2, 241)
     x, y = np.meshgrid(side, side)
     r = np.hypot(x, y)
@@ -60,7 +60,7 @@ def shapes():
 
 
 def lights():
-    """Intensity per solid angle of each kind of light about the axis, which points down."""
+    """Draws the intensity per solid angle of each kind of light about the axis, which points down."""
     def rays(kind):
         angles = np.radians(np.arange(-180, 181, 15))
         if kind == "parallel":
@@ -89,7 +89,7 @@ def lights():
 
 
 def axes_of_beam():
-    """The angle, the azimuth, and the place of a beam's shape, with and without z=."""
+    """Draws the angle, the azimuth, and the place of a beam's shape, with and without z=."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3), gridspec_kw={"width_ratios": [1.6, 1]})
     left.add_patch(Rectangle((-2, -1.2), 4.6, 1.2, color=MEDIUM, lw=0))
     left.plot([-2, 2.6], [0, 0], color=INK, lw=1.5)
@@ -129,7 +129,7 @@ def axes_of_beam():
 
 
 def detector():
-    """The plane, the shape, and the cone of a detector; light that it sees and light that it does not see."""
+    """Draws the plane, the shape, and the cone of a detector, with light that it sees and light that it does not see."""
     figure, axes = plt.subplots(figsize=(8, 3.3))
     axes.add_patch(Rectangle((-2.6, -1.1), 6, 1.1, color=MEDIUM, lw=0))
     hill = np.linspace(-2.6, 3.4, 200)
@@ -168,7 +168,7 @@ def detector():
 
 
 def scores():
-    """What each line of a scene makes the program score."""
+    """Draws the arrays that each line of a scene makes the program fill."""
     figure, (rings, pixels, gates, sky) = plt.subplots(1, 4, figsize=(11.5, 2.6))
     for r in (0.25, 0.5, 0.75, 1.0):
         rings.add_patch(Circle((0, 0), r, fill=False, color=INK, lw=0.9))
@@ -201,7 +201,7 @@ def scores():
 
 
 def saved_packets(file):
-    """Depth against distance of the packets in a .photons.h5 that left through the top."""
+    """Draws depth against distance of the packets in a .photons.h5 that left through the top."""
     sys.path.insert(0, os.path.join(FOLDER, "..", "..", "..", "src", "python"))
     import clustermcml as mc  # noqa: E402, PLC0415
     rows = mc.read_photons(file)

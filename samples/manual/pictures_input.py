@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Pictures of grids, what original MCML reads, tiles, reliefs, rough faces, phase functions and backings for the manual.
+"""Draws pictures for the input pages of the manual: grids, the scene as original MCML reads it, tiles, reliefs, rough faces, phase functions and
+backings.
 
 python3 samples/manual/pictures_input.py NAME ...      draws into samples/manual/pictures; without names, all of them
 
@@ -25,7 +26,7 @@ INK, SOFT, MEDIUM = "#222222", "#9a9a9a", "#e9eef4"
 
 
 def gsf(path):
-    """Heights [rows, columns] and the widths of the map, all in um, of a Gwyddion Simple Field."""
+    """Reads a Gwyddion Simple Field. Returns heights [rows, columns] and the widths of the map, all in um."""
     with open(path, "rb") as file:
         data = file.read()
     end = data.index(b"\0")
@@ -39,12 +40,12 @@ def gsf(path):
 
 
 def arrow(axes, tip, foot):
-    """A ray of light."""
+    """Draws a ray of light."""
     axes.annotate("", tip, foot, arrowprops={"arrowstyle": "-|>", "color": pictures.COLOURS[1], "lw": 1.4, "shrinkA": 0, "shrinkB": 0})
 
 
 def grid(figure):
-    """The bins of depth and radius below the surface, and those of angle above it."""
+    """Draws the bins of depth and radius below the surface, and those of angle above it."""
     axes = figure.subplots()
     axes.grid(False)
     axes.axis("off")
@@ -73,7 +74,7 @@ def grid(figure):
 
 
 def mcml(figure):
-    """The scene of mcml.md as this program and as original MCML read it."""
+    """Draws the scene of mcml.md as this program and as original MCML read it."""
     sides = figure.subplots(1, 2, sharey=True)
     r, heights = np.array([0, 0.1, 0.3]), np.array([0.06, 0.02, 0])
     x = np.concatenate([[-0.45], -r[::-1], r, [0.45]])
@@ -90,7 +91,7 @@ def mcml(figure):
 
 
 def tile(figure):
-    """Heights from above: three by three periods, one of which is the file."""
+    """Draws heights from above: three by three periods, one of which is the file."""
     heights, wide, high = gsf(os.path.join(ROOT, "meshes", "furrows.gsf"))
     wide, high = wide / 1e4, high / 1e4
     axes = figure.subplots()
@@ -104,7 +105,7 @@ def tile(figure):
 
 
 def reliefs(figure):
-    """Heights from above, on the same scale, and a profile through each."""
+    """Draws heights from above, on equal scales, and a profile through each."""
     lines = ("gaussian", "exponential", "fractal:0.8")
     rows = figure.subplots(2, 3, height_ratios=(2.3, 1), sharex=True)
     with tempfile.TemporaryDirectory() as folder:
@@ -128,7 +129,7 @@ def reliefs(figure):
 
 
 def rough(figure):
-    """Light behind the plate of rough.md by its angle to the beam, as far from the middle as its logarithm."""
+    """Draws light behind the plate of rough.md by its angle to the beam. The distance from the middle is the logarithm of the light."""
     axes = figure.add_subplot(projection="polar")
     with tempfile.TemporaryDirectory() as folder:
         scene = os.path.join(folder, "scene.mci")
@@ -145,7 +146,7 @@ def rough(figure):
 
 
 def phase(figure):
-    """p by the angle of deflection, as far from the middle as its logarithm."""
+    """Draws p by the angle of deflection. The distance from the middle is the logarithm of p."""
     t = np.radians(np.linspace(-180, 180, 1441))
     c = np.cos(t)
 
@@ -169,7 +170,7 @@ def phase(figure):
 
 
 def backing(figure):
-    """Rd of the paint of backings.md by its thickness, by adding-doubling."""
+    """Draws Rd of the paint of backings.md by its thickness, from adding-doubling."""
     axes = figure.subplots()
     thickness = np.geomspace(5e-4, 0.1, 25)
     lines = (("backing 0.8 lambertian: a white ground", "0.8 lambertian"), ("backing 0.8: a mirror", "0.8"), ("backing 0: a black ground", "0"))

@@ -1,7 +1,8 @@
-"""Draws two pictures of the recipes from tables that others have measured: pictures_recipes.py cluster|totals PICTURE
+"""Draws two pictures of the recipes from stored tables: pictures_recipes.py cluster|totals PICTURE
 
 cluster: the efficiency of many ranks that bench/speed/scaling.py has predicted.
-totals: how far the totals in recipes/samples.md are from independent values, in standard errors.
+totals: differences of the totals in recipes/samples.md from independent values, in standard errors.
+
 SPDX-License-Identifier: MIT
 """
 import math
@@ -26,7 +27,7 @@ def read(*path):
 
 
 def predicted():
-    """{bins: [(ranks, efficiency in percent)]}, the rows below the line "ranks   bins ..."."""
+    """Returns {bins: [(ranks, efficiency in percent)]} from the rows below the line "ranks   bins ..."."""
     rows = read("..", "..", "bench", "speed", "results", "scaling-amd-epyc-2core.txt").partition("efficiency %\n")[2].splitlines()
     curves = {}
     for row in rows:
@@ -44,7 +45,7 @@ def cluster(figure):
 
 
 def deviations():
-    """[(sample, z of Rd, z of Tt)] of the rows that have independent values."""
+    """Returns [(sample, z of Rd, z of Tt)] of the rows that have independent values."""
     rows = []
     for line in read("recipes", "samples.md").splitlines():
         cells = [cell.strip() for cell in line.split("|")]

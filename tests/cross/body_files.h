@@ -7,7 +7,7 @@
 #include "input/mesh/obj.h"
 #include "scene/body/body_shape.h"
 
-/* n: see cml_body_mesh. */
+/* Writes the mesh of a sphere or cylinder. n: number of segments, as in cml_body_mesh. */
 static inline void write_body(const char *path, struct cml_scene_body body, int n)
 {
     struct cml_error err;

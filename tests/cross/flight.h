@@ -1,4 +1,4 @@
-/* Flies packets one by one and compares their ends: what all cross tests share.
+/* Parts that all cross tests share: simulates packets one by one and compares their ends.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -21,8 +21,8 @@ struct flight {
     void *self;
 };
 
-/* The text of an .mci file as scenes; the file lies beside the repository's samples so that mesh paths
- * resolve. */
+/* Reads the text of an .mci file as scenes. The file lies beside the repository's samples, so that paths of
+ * meshes resolve. */
 static inline void read_scenes(const char *text, struct cml_scene_list *list)
 {
     struct cml_error err;
@@ -82,7 +82,7 @@ static inline struct cml_fate_record fly(const struct flight *flight, uint64_t p
     return record;
 }
 
-/* How many of `photons` packets end differently (fate or number of interactions) in the two flights. */
+/* Returns how many of `photons` packets end differently (fate or number of interactions) in two flights. */
 static inline uint64_t count_different(const struct flight *a, const struct flight *b, uint64_t photons)
 {
     uint64_t different = 0;

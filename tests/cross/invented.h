@@ -1,5 +1,5 @@
-/* What --aim would ask for, made up: two walks need only find the same counts. SPDX-License-Identifier: MIT
- */
+/* Invented tables in place of those that --aim computes. They suffice to test that two walks count the same.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "lib/dice.h"
@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-/* A level of the scene, where it has one, with any numbers below it. */
+/* Makes a tail at the scene's level, if it has one, with random numbers below it. */
 static inline void invent_tail(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                struct cml_flat_tail *tail)
 {
@@ -28,7 +28,7 @@ static inline void invent_tail(const struct cml_scene *scene, const struct cml_s
     for (size_t i = 0; i < numbers; i++) tail->response[i] = (float)dice_uniform(&dice);
 }
 
-/* Any weights, which jump from cell to cell and from ring to ring. */
+/* Makes windows with random weights, which jump from cell to cell and from ring to ring. */
 static inline void invent_windows(const struct cml_scene *scene, struct cml_window_table *windows)
 {
     static uint32_t target[64 * 4];
@@ -40,5 +40,5 @@ static inline void invent_windows(const struct cml_scene *scene, struct cml_wind
         target[i] = 0x80000000u >> (int)(5 * dice_uniform(&dice));
     for (int k = 0; k < scene->num_detectors; k++)
         if (scene->detectors[k].shape == CML_DETECTOR_RING) windows->detector = k + 1;
-    if (windows->detector) windows->share = 0.5; /* of circles, whatever the scene */
+    if (windows->detector) windows->share = 0.5; /* the share of circles, in every scene */
 }

@@ -1,6 +1,7 @@
 #!/bin/sh
-# cross.opencl on a second implementation: Intel's OpenCL for CPUs, whose division and root are not correctly rounded. From the
-# Python package registry into a folder that goes with the test (0.7 GB); skipped without one. Called with the test program.
+# Runs cross.opencl on a second implementation, Intel's OpenCL for CPUs, whose division and square root are not
+# correctly rounded. The implementation is installed from the Python package registry into a folder that vanishes with
+# the test (0.7 GB). Skipped without a registry. Called with the test program.
 # SPDX-License-Identifier: MIT
 set -u
 work=$(mktemp -d)
@@ -10,7 +11,7 @@ python3 -m venv "$work/venv" && "$work/venv/bin/pip" install --quiet intel-openc
 runtime=$work/venv/lib
 loader=$(ldd "$1" | sed -n 's/.*libOpenCL.so.1 => \([^ ]*\).*/\1/p')
 test -f "$runtime/libintelocl.so" && test -f "$loader" || { echo "no libintelocl.so in the package, or no loader"; exit 77; }
-# its own libraries first, its own loader not: that looks for no folder of implementations
+# Intel's own libraries come first, except its loader, which does not look into a folder of implementations.
 mkdir "$work/loader" "$work/vendors"
 ln -s "$loader" "$work/loader/libOpenCL.so.1"
 echo "$runtime/libintelocl.so" >"$work/vendors/intel.icd"

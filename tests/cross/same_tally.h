@@ -1,4 +1,5 @@
-/* What two walks of the same packets must have left in their tallies. SPDX-License-Identifier: MIT */
+/* Comparison of the tallies that two walks of the same packets have left.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "flight.h"
@@ -16,7 +17,8 @@ static void expect_same_tally(const struct cml_tally *a, const struct cml_tally 
         if (i != CML_COUNT_QUERIES && a->count[i] != b->count[i]) fail_msg("%s: count %d differs", name, i);
 }
 
-/* Of weight times score as much comes to an end as began, which is nothing (P17), in every batch. */
+/* Checks rule P17 in every batch: weight times score that ends equals the gains on the way, because packets
+ * begin with a score of zero. */
 static void expect_balanced_scores(const struct cml_tally *t)
 {
     const struct cml_layout at = cml_layout_of(&t->grid, CML_OF_ROW_BINS);

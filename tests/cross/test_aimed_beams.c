@@ -1,6 +1,6 @@
-/* Beams at what is delicate: exactly at the vertices and edges of a mesh, grazing, at the angle at which
- * nothing is reflected to speak of, into a body from which light never gets out. The answers are known on
- * paper. SPDX-License-Identifier: MIT */
+/* Beams aimed at delicate places: exactly at vertices and edges of a mesh, grazing, at the angle of almost
+ * no reflection, and into a body from which light never gets out. The answers are known on paper.
+ * SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 #include "flight.h"
 
@@ -14,7 +14,7 @@ static const char *const engines[] = {"reference", "cpu"};
 
 #define MOST_VERTICES 4000
 
-/* The vertices of an OBJ file of at most MOST_VERTICES; returns their number. */
+/* Reads the vertices of an OBJ file of at most MOST_VERTICES. Returns their number. */
 static int read_vertices(const char *path, double vertex[][3])
 {
     FILE *file = fopen(path, "r");
@@ -27,7 +27,7 @@ static int read_vertices(const char *path, double vertex[][3])
     return n;
 }
 
-/* The vertices of one face, counted from 0; false when the file has no such face. */
+/* Reads the vertices of face `wanted`, counted from 0. Returns false if the file has no such face. */
 static bool read_face(const char *path, int wanted, int corner[3])
 {
     FILE *file = fopen(path, "r");
@@ -54,8 +54,8 @@ static void note_entry(void *context, const struct cml_trace_event *event)
     entry->z = event->position[2];
 }
 
-/* A beam along z at (x, y) through a mesh between clear media of the same index crosses it once, where it is.
- */
+/* Checks that a beam along z at (x, y) crosses a mesh between clear media of equal index once, at the depth
+ * of the mesh there. */
 static void expect_depth(const char *engine, const char *mesh, const double place[3])
 {
     const struct flight_options with = {.engine = engine, .kind = CML_SURFACE_AUTO};
@@ -78,8 +78,8 @@ static void expect_depth(const char *engine, const char *mesh, const double plac
     flight_close(&flight);
 }
 
-/* 60 vertices, and points of 60 edges: their middle, and 1/3 of the way, which rounding puts beside the edge.
- */
+/* Checks 60 vertices and points of 60 edges: the middle, and one third of the way, which rounding puts
+ * beside the edge. */
 static void expect_depths(const char *name, int faces)
 {
     static double vertex[MOST_VERTICES][3];
@@ -123,8 +123,9 @@ static void open_slab(const char *engine, double angle, double n_above, double n
     flight_open(text, &with, flight);
 }
 
-/* Through a clear slab of index 1.5: Snell's law inside gives the shift, and the ray leaves as it came. The
- * cosine follows from the sine by Pythagoras: its rounding grows towards grazing. */
+/* Checks a clear slab of index 1.5: Snell's law inside gives the shift, and the ray leaves in its old
+ * direction. The cosine is computed from the sine by Pythagoras, so that its rounding error grows towards
+ * grazing. */
 static void expect_shift(const char *engine, double angle)
 {
     struct flight flight;
@@ -164,7 +165,7 @@ static double fresnel(double angle, double n1, double n2)
     return (rs * rs + rp * rp) / 2;
 }
 
-/* Share of one fate, 4.5 standard errors of a binomial. */
+/* Checks the share of one fate within 4.5 standard errors of a binomial. */
 static void expect_share(const struct flight *flight, int fate, double expected, uint64_t photons,
                          const char *what)
 {
@@ -175,8 +176,8 @@ static void expect_share(const struct flight *flight, int fate, double expected,
         fail_msg("%s: %.6f +- %.6f, expected %.6f", what, share, error, expected);
 }
 
-/* One surface, matched below: from nearly nothing to nearly everything, against Fresnel's formula in angles.
- */
+/* Tests one surface, matched below, against Fresnel's formula in angles, for reflected shares from almost
+ * nothing to almost everything. */
 static void the_reflected_share_is_fresnels_however_small_or_grazing(void **state)
 {
     (void)state;
@@ -200,10 +201,11 @@ static void the_reflected_share_is_fresnels_however_small_or_grazing(void **stat
 
 /* ---- light that never gets out ---- */
 
-/* A pencil on the flank of a cone of 60 degrees, n = 2, nothing absorbed: what enters is bent by 60 - 25.7
- * degrees from the vertical, passes below the cone and is totally reflected (beyond 30 degrees) by the planes
- * outside for ever. What the flank reflects strikes the plane outside, enters more steeply, and gets out
- * again. */
+/* Tests a pencil on the flank of a cone of 60 degrees with n = 2 and no absorption.
+ *
+ * Light that enters is bent to 60 - 25.7 degrees from the vertical, passes below the cone, and is totally
+ * reflected for ever (beyond 30 degrees) by the planes outside. Light reflected at the flank strikes the
+ * plane outside, enters more steeply, and gets out again. */
 static void what_enters_a_clear_body_beyond_the_critical_angle_is_trapped(void **state)
 {
     (void)state;

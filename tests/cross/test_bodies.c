@@ -1,5 +1,6 @@
-/* Bodies against what is known without them: shadows, Snell and Fresnel of single packets, a sphere in
- * another one, meshes in place of spheres. SPDX-License-Identifier: MIT */
+/* Bodies against answers known without them: shadows, Snell and Fresnel for single packets, a sphere in
+ * another sphere, meshes in place of spheres.
+ * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
 #include "body_files.h"
@@ -16,15 +17,15 @@ static void open_text(const char *text, const char *engine, enum cml_surface_kin
     flight_open(text, &with, flight);
 }
 
-/* Scenes of one clear layer of 1 cm, all indices n, with bodies. */
+/* Writes a scene of one clear layer of 1 cm with bodies. All indices are n. */
 static void layer_text(char *text, size_t size, const char *beam, double n, const char *bodies)
 {
     snprintf(text, size, "1.0\n1\nbodies A\n1000\n0.01 0.01\n10 10 1\n%s\n1\n%g\n%g 0 0 0 1\n%s\n%g\n", beam,
              n, n, bodies, n);
 }
 
-/* Parallel light on a black sphere: what falls into its shadow ends there, all else passes. Packet by packet,
- * but those within rounding of the rim. */
+/* Parallel light on a black sphere: light within its shadow is absorbed, all other light passes. Each packet
+ * is tested, except those within rounding of the rim. */
 static void a_black_sphere_has_a_round_shadow(void **state)
 {
     (void)state;
@@ -47,15 +48,15 @@ static void a_black_sphere_has_a_round_shadow(void **state)
     }
 }
 
-/* Where a ray that meets a sphere of radius r about the axis at the distance b from it leaves, having been
- * refracted twice: its angle to the axis. */
+/* Returns the angle to the axis of a ray that was refracted twice by a sphere of radius r about the axis. b:
+ * distance of the ray from the axis before the sphere. */
 static double twice_refracted(double b, double r, double n1, double n2)
 {
     return 2 * (asin(b / r) - asin(b * n1 / (r * n2)));
 }
 
-/* Air in glass and glass in air: packets that go through without a reflection inside come out as Snell has
- * it, to 1e-6; how many do, Fresnel's equations say. */
+/* Air in glass and glass in air: packets without an inner reflection leave by Snell's law, to 1e-6.
+ * Fresnel's equations give their number. */
 static void a_sphere_refracts_as_snell_and_fresnel_have_it(void **state)
 {
     (void)state;
@@ -87,7 +88,7 @@ static void a_sphere_refracts_as_snell_and_fresnel_have_it(void **state)
         }
 }
 
-/* One medium in two nested spheres, whose surfaces lie 1e-6 cm apart, is one sphere. */
+/* Two nested spheres of one medium, with surfaces 1e-6 cm apart, act as one sphere. */
 static void nested_spheres_are_one(void **state)
 {
     (void)state;
@@ -107,7 +108,8 @@ static void nested_spheres_are_one(void **state)
     flight_close(&nested);
 }
 
-/* How many of the packets end in another way than with the sphere and the cylinder themselves. */
+/* Returns the share of packets that end differently with meshes than with the sphere and the cylinder
+ * themselves. */
 static double share_different(const char *text, double tolerance, uint64_t photons)
 {
     struct flight exact, mesh;
@@ -120,8 +122,8 @@ static double share_different(const char *text, double tolerance, uint64_t photo
     return share;
 }
 
-/* Of matched indices a packet ends otherwise when it scatters between body and mesh: as often as the volume
- * between them is large, which falls with the tolerance. */
+/* With matched indices, a packet ends differently if it interacts between body and mesh. The share is
+ * proportional to the volume between both, which falls with the tolerance. */
 static void meshes_come_to_be_spheres_and_cylinders(void **state)
 {
     (void)state;
@@ -134,15 +136,15 @@ static void meshes_come_to_be_spheres_and_cylinders(void **state)
     assert_true(fine < 0.25 * coarse);
 }
 
-/* What a trace is checked against. */
+/* The context that checks a trace. */
 struct watch {
     const struct cml_scene *scene;
-    double err; /* cm: what rounding may put a packet beyond a surface */
+    double err; /* distance that rounding may put a packet beyond a surface [cm] */
     uint64_t events, wrong;
 };
 
-/* Whether a place is more than err inside (+1) or outside (-1) of a body, else 0. Of a mesh that stands for a
- * sphere of radius 0.1 cm, or 0 near its surface. */
+/* Returns +1 if a place is more than err inside a body, -1 if it is more than err outside, else 0. A mesh
+ * here stands for a sphere of radius 0.1 cm. */
 static int side_of(const struct cml_scene_body *body, const double p[3], double err)
 {
     struct cml_scene_body round = *body;
@@ -157,7 +159,8 @@ static int side_of(const struct cml_scene_body *body, const double p[3], double 
     return distance < -err ? 1 : (distance > err ? -1 : 0);
 }
 
-/* An interaction lies inside the body whose medium the packet is in, and outside of those that lie in it. */
+/* Checks that an interaction lies inside the body that is the packet's medium, and outside of all bodies
+ * within that body. */
 static void watch_event(void *context, const struct cml_trace_event *event)
 {
     struct watch *watch = context;
@@ -189,8 +192,8 @@ static void expect_right_sides(const char *text, const char *engine, uint64_t ph
     flight_close(&flight);
 }
 
-/* Beams along the axis of a sphere and of a cylinder, at their tangents, on the rim of its ends and along its
- * side; shells of 1e-6 cm; a mesh struck at a corner, along an edge and from inside. */
+/* Beams along the axis of a sphere and of a cylinder, at their tangents, on the rim of an end and along the
+ * side; shells of 1e-6 cm; a mesh struck at a corner, along an edge, and from inside. */
 static void packets_are_where_their_medium_is(void **state)
 {
     (void)state;
@@ -216,7 +219,7 @@ static void packets_are_where_their_medium_is(void **state)
     remove(mesh);
 }
 
-/* 1e4 beads on a grid, in a volume that light crosses in all directions. */
+/* Tests 1e4 beads on a grid, in a volume that light crosses in all directions. */
 static void ten_thousand_beads_lose_no_packet(void **state)
 {
     (void)state;
@@ -232,7 +235,7 @@ static void ten_thousand_beads_lose_no_packet(void **state)
     free(text);
 }
 
-/* Numbers at random. */
+/* A generator of random numbers. */
 struct dice {
     uint64_t state;
 };
@@ -254,7 +257,7 @@ static struct cml_vec random_direction(struct dice *dice)
     return cml_vec_of(k * v[0], k * v[1], k * v[2]);
 }
 
-/* The medium that a place is in, layer 1 or the innermost body; -1 within err of a surface. */
+/* Returns the medium of a place: layer 1 or the innermost body, or -1 within err of a surface. */
 static int medium_at(const struct cml_scene *scene, const double p[3], double err)
 {
     int medium = 1;
@@ -267,7 +270,7 @@ static int medium_at(const struct cml_scene *scene, const double p[3], double er
     return medium;
 }
 
-/* Places inside, around and far from the bodies, every other one close to a surface. */
+/* Returns places inside, around and far from the bodies. Every other place is close to a surface. */
 static void random_place(struct dice *dice, const struct cml_scene *scene, int i, double p[3])
 {
     for (int k = 0; k < 3; k++) p[k] = (throw(dice) - 0.5) * (i % 3 ? 0.7 : 6) + (k == 2 ? 0.25 : 0);
@@ -282,7 +285,8 @@ static void random_place(struct dice *dice, const struct cml_scene *scene, int i
     }
 }
 
-/* What a packet in this medium meets of bodies, whatever is known of balls and regions. */
+/* True if a packet in this medium meets a body within the path. Bounding balls and free regions are not
+ * used. */
 static int meets_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
                       real path)
 {
@@ -291,7 +295,8 @@ static int meets_body(const struct cml_world *world, int medium, struct cml_vec 
     return cml_nearest_body(world, &packet, path, 0, &hit);
 }
 
-/* Another path, from the end of one that meets nothing, in the region that was found there. */
+/* Tries a random path from the end of one that meets no body. Returns 0 if the path leaves the region found
+ * there, 1 if it stays and meets no body, 2 if it stays and meets one. */
 static int leaves_region(struct dice *dice, const struct cml_world *world, int medium, struct cml_vec from,
                          const struct cml_body_region *region)
 {
@@ -304,8 +309,8 @@ static int leaves_region(struct dice *dice, const struct cml_world *world, int m
     return within ? 1 + meets_body(world, medium, from, u, path) : 0;
 }
 
-/* A path that is said to meet no body meets none, and no path in its region does; err: how far a surface may
- * be from the body's. */
+/* Checks that a path that is reported to meet no body meets none, and that no path in its region does. err:
+ * possible distance of a surface from the body's [cm]. */
 static void expect_free_paths(const char *text, enum cml_surface_kind kind, double err)
 {
     struct cml_scene_list list;

@@ -1,6 +1,7 @@
-/* Bounds are conservative: a step that they call free or safe crosses nothing by the exact query, and rings
- * are met at the same place when only the part of a step that it leaves is looked at. And the fast mesh query
- * gives what the exact one gives. SPDX-License-Identifier: MIT */
+/* Tests that bounds are conservative: a step that they call free or safe crosses nothing, by the exact
+ * query. Rings are met at the same place if only the remaining part of a step is searched. The fast mesh
+ * query gives the result of the exact query.
+ * SPDX-License-Identifier: MIT */
 #include "flight.h"
 #include "lib/mesh_shapes.h"
 
@@ -38,14 +39,15 @@ static void bench_close(struct bench *bench)
     cml_scene_list_clear(&bench->list);
 }
 
-/* Uniform in (-1, 1). */
+/* Returns a random number, uniform in (-1, 1). */
 static double dice(struct bench *bench)
 {
     const cml_u32 word = cml_draw(bench->stream, bench->draws++, CML_PURPOSE_LAUNCH, 0).w[0];
     return (double)word / 2147483648.0 - 1;
 }
 
-/* A step near the surface: start anywhere around it, length from far below a cell to several cm. */
+/* Makes a step near the surface. It starts anywhere around the surface; its length is from far below a cell
+ * to several cm. */
 static void random_step(struct bench *bench, double reach, double height, struct cml_vec *p,
                         struct cml_vec *u, real *length)
 {
@@ -56,7 +58,7 @@ static void random_step(struct bench *bench, double reach, double height, struct
     *length = (real)pow(10, -2 + 2.5 * dice(bench));
 }
 
-/* Does the exact geometry cross [0, length] from the given side? */
+/* True if the exact geometry is crossed in [0, length] from the given side. */
 static int crosses(const struct bench *bench, struct cml_vec p, struct cml_vec u, real side, real length)
 {
     const struct cml_world *world = &bench->scalar.world;
@@ -70,7 +72,8 @@ static int crosses(const struct bench *bench, struct cml_vec p, struct cml_vec u
     return cml_mesh_surface_hit(world->meshes[0], dp, du, side > 0, length, -1, 0, 1, 0, &crossing);
 }
 
-/* Rings are marched over what is left of a step as over all of it, to the last bit. */
+/* True if the search over the remaining part of a step gives the result of the search over the whole step,
+ * to the last bit. */
 static int meets_the_same(const struct bench *bench, struct cml_vec p, struct cml_vec u, real side,
                           real length, struct cml_interval left)
 {
@@ -82,7 +85,7 @@ static int meets_the_same(const struct bench *bench, struct cml_vec p, struct cm
     return whole == part && (!whole || (t[0] == t[1] && ring[0] == ring[1]));
 }
 
-static long steps = 300000; /* per scene; the first argument of the program */
+static long steps = 300000; /* steps per scene; the first argument of the program */
 
 static void expect_conservative(const char *line, enum cml_surface_kind kind, double reach)
 {
@@ -122,13 +125,13 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
 #define NOISE "b 9 0.02 0.05 -0.03 0.05 0.04 0.05 -0.05 0.05 0.01 0.05 0.06 0.05 -0.02 0.05 0.03 0.05 0 0"
 #define MESH(name) "m \"" CML_SOURCE_DIR "/meshes/" name "\""
 
-/* Meshes of irregular facets, or steep in one place only, in a folder for as long as the tests run. */
+/* Meshes of irregular facets, or steep in one place only, in a folder that lasts as long as the tests. */
 static char folder[] = "/tmp/cml_bounds_XXXXXX";
 static char irregular_path[64], spiked_path[64], corner_path[64]; /* files */
 static char irregular[80], spiked[80], corner[96];                /* lines of .mci files */
 
-/* A tile, level but for one spike beside its first corner: from most of it the spike's copies across the
- * seams are the nearest. */
+/* Writes a tile that is level except for one spike beside its first corner. For most of the tile, the
+ * spike's copies across the seams are nearest. */
 static void write_corner(void)
 {
     FILE *file = fopen(corner_path, "w");
@@ -186,8 +189,8 @@ static void a_clear_step_crosses_nothing(void **state)
     expect_conservative(spiked, CML_SURFACE_AUTO, 1.2);
 }
 
-/* The place above or below p where the surface is met first, coming from far away on one side of it: also one
- * under an overhang. */
+/* Returns the place above or below p where a ray from far away on one side first meets the surface; it may
+ * lie under an overhang. */
 static struct cml_vec place_on_surface(const struct bench *bench, struct cml_vec p, real from)
 {
     const double start[3] = {p.x, p.y, 10 * from}, down[3] = {0, 0, -from};
@@ -197,9 +200,11 @@ static struct cml_vec place_on_surface(const struct bench *bench, struct cml_vec
     return cml_vec_of(p.x, p.y, hit.point[2]);
 }
 
-/* Packets that head away from a surface above their horizon cannot meet it, from wherever they begin on their
- * side of it; most horizons are lower than the steepest part of the surface. lowered: at least so large a
- * share of the packets that are found to get away are flatter than that part. */
+/* Tests that packets that head away from a surface, above their horizon, cannot meet it from anywhere on
+ * their side.
+ *
+ * Most horizons are lower than the steepest part of the surface. lowered: least share, among packets found
+ * to get away, of those flatter than that part. */
 static void expect_horizons(const char *line, double reach, double lowered)
 {
     struct bench bench;
@@ -217,7 +222,7 @@ static void expect_horizons(const char *line, double reach, double lowered)
         p = cml_vec_of(onset.x, onset.y, onset.z + side * little);
         if (!cml_heads_away(cml_horizon(world, surface, p, side, -1), u, side)) continue;
         if (crosses(&bench, onset, cml_vec_of(0, 0, side), side, (real)little))
-            continue; /* no longer on it */
+            continue; /* the start is no longer on its side of the surface */
         away++;
         flat += !cml_heads_away(surface->steepest, u, side);
         wrong += crosses(&bench, p, u, side, CML_INFINITY);
@@ -245,7 +250,7 @@ static void above_its_horizon_a_packet_crosses_nothing(void **state)
     expect_horizons(spiked, 1.2, 0.5);
 }
 
-/* Cones believe the side they are told, so it has to be true. */
+/* True if p lies on the given side. Cones rely on the side that they are told. */
 static bool is_on_side(const struct bench *bench, struct cml_vec p, real side)
 {
     const struct cml_boundary *boundary = &bench->list.scenes[0].boundaries[0];
@@ -253,7 +258,7 @@ static bool is_on_side(const struct bench *bench, struct cml_vec p, real side)
            1e-6;
 }
 
-/* Directions steeper than rings cannot cross them. */
+/* Directions steeper than all rings cannot cross them. */
 static void a_steep_direction_crosses_nothing(void **state)
 {
     (void)state;
@@ -274,7 +279,8 @@ static void a_steep_direction_crosses_nothing(void **state)
     bench_close(&bench);
 }
 
-/* sheet: whether the fast query walks cells; else Embree's triangles find the hit. */
+/* Compares the fast query with the exact one. sheet: the fast query walks over cells; otherwise Embree's
+ * triangles find the hit. */
 static void expect_exact(const char *line, bool sheet)
 {
     struct bench bench;
@@ -295,7 +301,7 @@ static void expect_exact(const char *line, bool sheet)
     }
     print_message("fast against exact: %ld hits, %ld different\n", hits, different);
     assert_true(hits > 10000);
-    assert_true(different <= 1); /* rays within float rounding of an edge */
+    assert_true(different <= 1); /* rays within single-precision rounding of an edge */
     bench_close(&bench);
 }
 

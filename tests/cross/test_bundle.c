@@ -1,7 +1,8 @@
-/* The vector passes of the CPU engine against the scalar walk: whole tallies, bit for bit.
- * A tally holds every deposit, term of the balance, count and square, so one packet that goes another way
- * shows. Over 600 lines: one list of scenes, each there for a way through the loops. SPDX-License-Identifier:
- * MIT */
+/* Compares the vector passes of the CPU engine with the scalar walk: whole tallies, bit for bit.
+ *
+ * A tally holds every deposit, balance term, count and square, so that one packet on another way is noticed.
+ * Over 600 lines: one list of scenes, each for one way through the loops.
+ * SPDX-License-Identifier: MIT */
 #include "flight.h"
 #include "same_tally.h"
 
@@ -16,17 +17,17 @@
 
 #include <glob.h>
 
-/* Of the processor, all that this machine can run: the same bits at each. */
+/* Levels of the processor that this machine can run. All give the same bits. */
 static struct cml_cpu_level levels[CML_CPU_LEVELS];
 static int num_levels;
 
-static int entered;       /* expected values that light has come to */
-static uint64_t branched; /* parts of packets */
+static int entered;       /* number of expected values that got any light */
+static uint64_t branched; /* number of parts of split packets */
 
-/* What is asked for beside what is counted. */
+/* Tables of --aim beside the ordinary counts. */
 enum { NOTHING = 0, TAIL = 1, WINDOWS = 2 };
 
-/* Bundles of one level leave what the scalar walk has left. */
+/* Checks that bundles at one level of the processor leave the tally of the scalar walk. */
 static void compare_level(const struct cml_cpu_level *level, const struct cml_scene *scene,
                           const struct cml_surface_set *surfaces, const struct cml_engine_options *options,
                           const struct cml_tally *scalar, uint64_t photons)
@@ -67,7 +68,7 @@ static void compare_with(const struct cml_scene *scene, enum cml_surface_kind ki
     const struct cml_tally_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
     require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
-    float *factor = calloc(cml_row_factors(cml_row_stride(&grid)), sizeof *factor); /* scratch */
+    float *factor = calloc(cml_row_factors(cml_row_stride(&grid)), sizeof *factor); /* scratch memory */
     assert_non_null(factor);
     struct cml_branches branches;
     require_ok(cml_branches_create(&world.world, &branches, &err), &err);
@@ -90,8 +91,8 @@ static void compare_with(const struct cml_scene *scene, enum cml_surface_kind ki
     cml_flat_tail_clear(&tail);
 }
 
-/* With re-entry packets draw from the lattice and play roulette as by default, without as in original MCML.
- */
+/* Compares the tallies of a scene. With re-entry, packets are drawn from the lattice and use the default
+ * roulette; without, they follow original MCML. */
 static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons, bool reentry,
                     int aims)
 {
@@ -107,8 +108,8 @@ static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, u
                  aims);
 }
 
-/* Rows of one flight: the first is that which is flown, in the others every other medium absorbs more. With
- * A(r,z) where that is not large. */
+/* Compares tallies with rows of one flight. The first row is the flown scene; in each other row, every other
+ * medium absorbs more. A(r,z) is included if it is small. */
 static void compare_rows(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons)
 {
     enum { ROWS = 20 };
@@ -134,7 +135,7 @@ static void compare_scores(const struct cml_scene *scene, enum cml_surface_kind 
     compare_with(scene, kind, photons, &options, NOTHING);
 }
 
-/* Of all shapes on both sides, in a plane that cuts most reliefs, and with an axis. */
+/* Detectors of all shapes on both sides, in a plane that cuts most reliefs, and with an axis. */
 static struct cml_detector_def detectors[] = {
     {.shape = CML_DETECTOR_RING, .size = {0, 0.1}, .nx = 1, .ny = 1},
     {.shape = CML_DETECTOR_RING,
@@ -165,7 +166,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
     snprintf(full, sizeof full, "%s/samples/%s", CML_SOURCE_DIR, path);
     require_ok(cml_mci_read(full, NULL, &list, &err), &err);
     for (int i = 0; i < list.count; i++) {
-        /* scores are booked where rows are: a part of the scenes is enough */
+        /* scores are counted together with rows; a part of the scenes is enough */
         const bool timeless = list.scenes[i].time.gates == 0;
         set_detectors(&list.scenes[i], true);
         if (i == 0 && timeless && !strstr(path, "shapes/"))
@@ -191,7 +192,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
     cml_scene_list_clear(&list);
 }
 
-/* Fewer where light is scattered hundreds of times. */
+/* Returns the photons for a sample, fewer if its light is scattered hundreds of times. */
 static int photons_of(const char *path)
 {
     if (strstr(path, "thick")) return 1000;
@@ -231,8 +232,8 @@ static void compare_text(const char *text, uint64_t photons)
     cml_scene_list_clear(&list);
 }
 
-/* Maps with and without angles, smaller than the scene, and a volume that begins above it; planes, cones and
- * meshes with facets. */
+/* Tests maps with and without angles, smaller than the scene, and a volume that begins above it, on planes,
+ * cones and meshes with facets. */
 static void maps_and_facets_have_the_same_tally(void **state)
 {
     (void)state;
@@ -255,7 +256,8 @@ static void maps_and_facets_have_the_same_tally(void **state)
     }
 }
 
-/* Glass, pure absorbers, guided light, oblique and wide beams, g = +-1, semi-infinite, 1 photon. */
+/* Tests glass, pure absorbers, guided light, oblique and wide beams, g = +-1, infinitely deep layers, and 1
+ * photon. */
 static void odd_scenes_have_the_same_tally(void **state)
 {
     (void)state;
@@ -265,7 +267,8 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "beam pencil angle=60\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.3 1 0 0 0.3\n1\n", 3000);
     compare_text(HEAD "beam disk 0.1\n" GRID "1\n1.4\n1.4 1 10 1 0.5\n1.4\n", 2000);
     compare_text(HEAD "beam gaussian 0.2 at=0.3,-0.1\n" GRID "1\n1\n1.4 1 10 -1 0.5\n1.6\n", 2000);
-    /* the queue takes spread and slanted light through the plane below it: denser, thinner, matched */
+    /* spread and slanted light goes from the queue through the plane below: into denser, thinner and matched
+     * media */
     compare_text(HEAD "beam disk 0.1 light=lambertian\n" GRID "1\n1\n1.4 1 10 0.8 0.5\n1\n", 2000);
     compare_text(HEAD "beam pencil light=lambertian\n" GRID "1\n1.6\n1.3 1 10 0.8 0.5\n1\n", 2000);
     compare_text(HEAD "beam gaussian 0.1 at=0.3,-0.1 angle=50\n" GRID "1\n1.5\n1.3 1 10 0.8 0.5\n1\n", 2000);
@@ -276,7 +279,7 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "beam disk 0.2\n" GRID
                       "2\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.5 0 0 0 0.5\nb 2 0.2 0.3 0 0\n1.3 0 5 0 0.2\n1\n",
                  2000);
-    /* a pencil beam on rings: equal indices, total reflection, both oblique */
+    /* a pencil beam on rings: equal indices, total reflection, both with oblique light */
     compare_text(HEAD GRID "1\n1.4\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n", 1000);
     compare_text(HEAD "beam pencil angle=60 at=0.03,0.01\n" GRID
                       "1\n1.5\nb 3 0.1 0.1 -0.1 0.2 0 0\n1 1 10 0.5 0.5\n1\n",
@@ -284,7 +287,7 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "beam pencil angle=75 at=0.03,0.01\n" GRID
                       "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n",
                  1000);
-    /* enters by the flank of a cone, and is then guided for ever: the last of its events is at a plane */
+    /* light enters by the flank of a cone and is then guided for ever: its last event is at a plane */
     compare_text(HEAD "beam pencil at=0.05,0\n" GRID
                       "3\n1\nb 2 0.17320508075688773 0.1 0 0\n2 0 0 0 0.3\n2 0 0 0 0.1\n2 0 0 0 0.1\n1\n",
                  300);
@@ -292,7 +295,7 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "0.01 0.3\n20 1 1\n1\n1\n1.4 1 50 0.5 0.2\n1\n", 1000); /* a single radial bin */
     /* an A_rz that all threads share */
     compare_text(HEAD "0.0001 0.0001\n2000 1000 7\n1\n1\n1.4 1 90 0.5 0.2\n1\n", 500);
-    /* phase functions: of all media, of some, mirrored, of a body */
+    /* phase functions of all media, of some media, mirrored, and of a body */
     compare_text(HEAD GRID "1\n1\n1.4 1 50 0.62 0.2\nphase hg2 0.9 -0.5 0.8\n1\n", 1000);
     compare_text(HEAD "beam disk 0.1\n" GRID
                       "4\n1\n1.5 0 0 0 0.1\n1.4 1 50 0 0.1\nphase rayleigh\ni sphere 0 0 0.15 0.02 1.3 1 90 "
@@ -301,7 +304,8 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "map 5 5 0.1 0.1\nfacets\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.37 0.5 20 0.8 0.3\n1\n", 2000);
 }
 
-/* Planes, rings, interpolated facets and bodies that are rough, matched layers, mirrors and metals. */
+/* Tests roughness of planes, rings, interpolated facets and bodies, in matched layers, with mirrors and
+ * metals. */
 static void rough_scenes_have_the_same_tally(void **state)
 {
     (void)state;
@@ -324,7 +328,7 @@ static void rough_scenes_have_the_same_tally(void **state)
                  photons);
 }
 
-/* One of `count` values; *seed goes on to the next (Marsaglia's xorshift). */
+/* Returns one of `count` values, and advances *seed (Marsaglia's xorshift). */
 static double any_of(uint32_t *seed, const double *values, size_t count)
 {
     *seed ^= *seed << 13;
@@ -336,7 +340,7 @@ static double any_of(uint32_t *seed, const double *values, size_t count)
 #define ANY(...)                                                                                             \
     any_of(seed, (const double[]){__VA_ARGS__}, sizeof(const double[]){__VA_ARGS__} / sizeof(double))
 
-/* Rings of up to 0.02 cm where a plane would be, two times in five. */
+/* Writes rings of up to 0.02 cm in place of a plane, two times in five. */
 static int write_boundary(char *text, size_t size, uint32_t *seed)
 {
     if (ANY(0, 0, 0, 1, 1) == 0) return 0;
@@ -362,7 +366,7 @@ static void write_scene(char *text, size_t size, int number, uint32_t *seed)
     snprintf(text + n, size - (size_t)n, "%g\n", ANY(1, 1, 1.33, 1.5));
 }
 
-/* What nobody has thought of. */
+/* Tests random scenes, for cases that no list contains. */
 static void random_scenes_have_the_same_tally(void **state)
 {
     (void)state;
@@ -400,7 +404,7 @@ static int give_nothing_up(void *context)
     return 0;
 }
 
-/* A bundle to be looked into, of one layer. */
+/* A bundle of one layer whose inner state a test looks at. */
 struct bundle_flight {
     struct flight flight;
     struct cml_owned_world scalar;
@@ -412,8 +416,8 @@ struct bundle_flight {
     struct cml_flight f;
 };
 
-static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind, uint64_t photons,
-                                   struct bundle_flight *b)
+static void bundle_flight_open(const char *text, enum cml_surface_kind kind, uint64_t photons,
+                               struct bundle_flight *b)
 {
     struct cml_error err;
     const struct cml_engine_options options = {.seed = 12, .threads = 1, .reentry = true};
@@ -441,12 +445,13 @@ static void bundle_flight_close(struct bundle_flight *b)
     flight_close(&b->flight);
 }
 
-/* One word in 2^32 puts an optical depth into the tail, and lanes without a packet draw like the others. */
+/* An empty lane ends nothing. It draws random numbers like the others, and one word in 2^32 puts its optical
+ * depth into the tail. */
 static void a_lane_without_a_packet_ends_nothing(void **state)
 {
     (void)state;
     static struct bundle_flight b;
-    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 10\n1\n", CML_SURFACE_AUTO, CML_GROUP, &b);
+    bundle_flight_open(HEAD GRID "1\n1\n1.34 0.1 1 0.5 10\n1\n", CML_SURFACE_AUTO, CML_GROUP, &b);
     assert_int_equal(b.f.live, CML_GROUP_MASK);
     while (b.f.live == CML_GROUP_MASK) cml_flight_pass(&b.f);
     const int empty = __builtin_ctzll(~b.f.live);
@@ -457,14 +462,14 @@ static void a_lane_without_a_packet_ends_nothing(void **state)
     bundle_flight_close(&b);
 }
 
-/* Thin media: most packets leave them without an interaction, and are only counted. */
+/* Tests thin media, which most packets leave without an interaction, so that they are only counted. */
 static void ballistic_light_has_the_same_tally(void **state)
 {
     (void)state;
     static struct bundle_flight b;
-    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", CML_SURFACE_AUTO, 1000, &b);
+    bundle_flight_open(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", CML_SURFACE_AUTO, 1000, &b);
     while (b.f.live) cml_flight_pass(&b.f);
-    assert_in_range(b.f.ballistic.count, 820, 930); /* 0.98 exp(-0.11) of them */
+    assert_in_range(b.f.ballistic.count, 820, 930); /* 0.98 exp(-0.11) of all packets */
     cml_flight_run(&b.f);
     assert_int_equal(b.tally.count[CML_COUNT_PHOTONS], 1000);
     bundle_flight_close(&b);
@@ -478,8 +483,8 @@ static void ballistic_light_has_the_same_tally(void **state)
     compare_text(HEAD GRID "1\n1\n1.4 1 3 0.5 0.5\nb 3 0.1 0.1 -0.1 0.2 0 0\n1\n", 3000);
 }
 
-/* Pencils that enter on edges of a mesh that overhangs: what lies on their way is asked once, which is its
- * lower side (i = 1) or not. */
+/* Tests pencils that enter on edges of an overhanging mesh. The next surface on their way is found once,
+ * before launch: the mesh's lower side (i = 1), or none. */
 static void paths_known_before_launch_have_the_same_tally(void **state)
 {
     (void)state;
@@ -489,7 +494,7 @@ static void paths_known_before_launch_have_the_same_tally(void **state)
         char text[1024];
         snprintf(text, sizeof text, HEAD "beam pencil at=%s\n" GRID "1\n1\nm \"%s\"\n1.34 0.1 1 0.5 0.5\n1\n",
                  at[i], CML_SOURCE_DIR "/meshes/overhang.obj");
-        bundle_flight_take_off(text, CML_SURFACE_AUTO, CML_GROUP, &b);
+        bundle_flight_open(text, CML_SURFACE_AUTO, CML_GROUP, &b);
         assert_non_null(b.f.world->known_path);
         assert_int_equal(b.f.known.from < INFINITY, i);
         bundle_flight_close(&b);
@@ -497,7 +502,7 @@ static void paths_known_before_launch_have_the_same_tally(void **state)
     }
 }
 
-/* What a lane stands beside after its interaction, and only until the next one. */
+/* A lane knows the facets that it stands beside after an interaction, and only until the next one. */
 static void a_lane_stands_beside_facets_for_one_flight(void **state)
 {
     (void)state;
@@ -517,7 +522,8 @@ static void a_lane_stands_beside_facets_for_one_flight(void **state)
     assert_int_equal(after.on_boundary, -1);
 }
 
-/* A packet below boundary 0 that stands on an edge of its first facet and interacts further along it. */
+/* Returns a packet below boundary 0 that stands on an edge of its first facet and interacts further along
+ * the edge. */
 static struct cml_packet packet_on_an_edge(const struct cml_owned_world *scalar,
                                            const struct cml_surface_set *surfaces)
 {
@@ -547,13 +553,14 @@ static void expect_beside(const struct cml_packet *packet)
     assert_int_equal(packet->on_primitive, CML_NEAR_FACETS);
 }
 
-/* Lanes and packets one by one know what they stand beside after an interaction within rounding of a mesh. */
+/* Lanes and single packets both remember the facet beside them after an interaction within rounding of a
+ * mesh. */
 static void an_interaction_beside_a_facet_is_remembered(void **state)
 {
     (void)state;
     static struct bundle_flight b;
-    bundle_flight_take_off(HEAD GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n",
-                           CML_SURFACE_MESH, 1, &b);
+    bundle_flight_open(HEAD GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n", CML_SURFACE_MESH, 1,
+                       &b);
     const struct cml_world *world = &b.scalar.world;
     struct cml_packet packet = packet_on_an_edge(&b.scalar, &b.flight.surfaces), after;
     cml_store_packet(&b.f, 0, &packet);
@@ -567,8 +574,8 @@ static void an_interaction_beside_a_facet_is_remembered(void **state)
     bundle_flight_close(&b);
 }
 
-/* Bodies of all forms, nested, clear and thick, below planes and below a hill, with a mesh and beams that
- * strike them first. */
+/* Tests bodies of all forms, nested, clear and thick, below planes and below a hill, with a mesh and with
+ * beams that strike bodies first. */
 static void bodies_have_the_same_tally(void **state)
 {
     (void)state;
@@ -591,7 +598,7 @@ static void bodies_have_the_same_tally(void **state)
     compare_text(text, 4000);
 }
 
-/* Backings of every kind, below planes, cones and a mesh, in a clear and in a thick last layer, beside
+/* Tests backings of every kind below planes, cones and a mesh, in a clear and a thick last layer, beside
  * bodies, with maps and facets. */
 static void backings_have_the_same_tally(void **state)
 {

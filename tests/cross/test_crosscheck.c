@@ -1,4 +1,4 @@
-/* crosscheck must find what differs: the cpu engine against itself with some packets changed.
+/* Tests that crosscheck finds differences: the cpu engine against itself with some packets changed.
  * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
@@ -7,8 +7,8 @@
 
 static const char *const scene = "1.0\n1\nscene A\n1000\n0.01 0.02\n20 30 10\n1\n1\n1.4 1 20 0.5 0.2\n1\n";
 
-static uint64_t period;     /* every so many packets are changed */
-static uint32_t more_steps; /* by so many interactions */
+static uint64_t period;     /* step between changed packets */
+static uint32_t more_steps; /* interactions that are added to a changed packet */
 static double more_absorbed;
 
 static cml_status changed_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,

@@ -1,13 +1,14 @@
 /* Scenes whose answer is known on paper: ray optics without scattering, absorption without scattering,
- * symmetry. SPDX-License-Identifier: MIT */
+ * symmetry.
+ * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
 #include <math.h>
 
 static const double degree = 0.017453292519943295;
 
-/* The first packet that passes straight through: transmitted after `events` boundary events. Others are
- * reflected at an interface, which is right but not the path that the formula describes. */
+/* Returns the first packet that passes straight through: the fate, after `events` boundary events. Other
+ * packets are reflected at an interface, which is right, but not the path that the formula describes. */
 static struct cml_fate_record first_through(const struct flight *flight, int fate, uint32_t events)
 {
     for (uint64_t i = 0; i < 100; i++) {
@@ -24,7 +25,8 @@ static void expect_close(double value, double expected, const char *what)
         fail_msg("%s: %.12g, expected %.12g", what, value, expected);
 }
 
-/* Plane entry, light leaves at a cone of base angle a: deviation asin(n sin a) - a, away from the axis. */
+/* Checks a plane entry and an exit at a cone of base angle a: the deviation is asin(n sin a) - a, away from
+ * the axis. */
 static void expect_axicon(const char *engine, enum cml_surface_kind kind, double n, double deviation)
 {
     char text[512];
@@ -56,7 +58,8 @@ static void axicon_deviates_by_its_formula(void **state)
         }
 }
 
-/* The ramp of wedge.obj rises by 1/7 along x from x = -0.4: refraction there, then at the plane below. */
+/* Checks refraction at the ramp of wedge.obj, which rises by 1/7 along x from x = -0.4, and then at the
+ * plane below. */
 static void expect_wedge(const char *engine)
 {
     char text[512];
@@ -84,7 +87,7 @@ static void wedge_refracts_by_snell(void **state)
     expect_wedge("cpu");
 }
 
-/* A right-angled roof prism below: total reflection at both faces sends the ray back at -x, whatever x. */
+/* Checks a right-angled roof prism: total reflection at both faces sends the ray back at -x, for every x. */
 static void expect_prism(const char *engine)
 {
     char text[512];
@@ -109,8 +112,9 @@ static void prism_returns_the_ray_by_total_reflection(void **state)
     expect_prism("cpu");
 }
 
-/* Disk beam on a hill of slope m, matched below: T = Fresnel * mean over the disk of exp(-mua path), with
- * path = (d + h(r)) / cos(delta), delta the bend at the hill's flank. */
+/* Checks a disk beam on a hill of slope m, matched below. T is Fresnel's transmission times the mean of
+ * exp(-mua path) over the disk, with path = (d + h(r)) / cos(delta); delta is the bend at the hill's flank.
+ */
 static void expect_absorbing_hill(const char *engine, enum cml_surface_kind kind)
 {
     const double H = 0.1, R = 0.5, d = 0.4, mua = 3, n = 1.4, photons = 100000;
@@ -145,8 +149,8 @@ static void absorbing_hill_transmits_the_integral(void **state)
     expect_absorbing_hill("cpu", CML_SURFACE_MESH);
 }
 
-/* A pencil beam on the tip of a cone: nothing may prefer an azimuth. Moments cos and sin of k phi of the exit
- * points, k = 1..8 (the mesh's innermost ring has 8 segments); level 1e-4 over all. */
+/* Checks that a pencil beam on the tip of a cone prefers no azimuth: moments cos and sin of k phi of the
+ * exit points, k = 1..8 (the mesh's innermost ring has 8 segments). The level is 1e-4 over all moments. */
 static void expect_symmetric(const char *engine, enum cml_surface_kind kind)
 {
     enum { ORDERS = 8 };
@@ -159,7 +163,7 @@ static void expect_symmetric(const char *engine, enum cml_surface_kind kind)
     for (uint64_t i = 0; i < 60000; i++) {
         const struct cml_fate_record end = fly(&flight, i);
         if (end.fate != CML_FATE_REFLECTED && end.fate != CML_FATE_TRANSMITTED) continue;
-        if (hypot(end.exit[0], end.exit[1]) < 1e-6) continue; /* unscattered, still on the axis */
+        if (hypot(end.exit[0], end.exit[1]) < 1e-6) continue; /* an unscattered packet is still on the axis */
         const double phi = atan2(end.exit[1], end.exit[0]);
         for (int k = 0; k < ORDERS; k++) {
             moment[2 * k] += cos((k + 1) * phi);

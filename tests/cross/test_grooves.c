@@ -1,5 +1,5 @@
-/* Light that runs into grooves between interpolated normals (P5), on sheets of random heights: single and
- * double precision send the packets out again in as many steps. They share numbers and physics.
+/* Light that runs into grooves between interpolated normals (P5), on sheets of random heights. In single and
+ * double precision, packets come out again after equal numbers of steps. Both share numbers and physics.
  * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
@@ -7,7 +7,7 @@
 
 #define PHOTONS 1000
 
-/* The steepest facets have about this slope. */
+/* Writes a scene with a random sheet, whose steepest facets have about this slope. */
 static void write_scene(const char *obj, double slope, double n, double angle, char *text, size_t size)
 {
     static struct patch patch;
@@ -19,7 +19,7 @@ static void write_scene(const char *obj, double slope, double n, double angle, c
              angle, obj, n);
 }
 
-/* Boundary events of all packets; *most: of the one that has the most. */
+/* Returns the boundary events of all packets. *most: events of the packet that has the most. */
 static double count_events(const char *text, const char *engine, uint32_t *most)
 {
     const struct flight_options with = {.engine = engine, .kind = CML_SURFACE_AUTO};
@@ -37,9 +37,11 @@ static double count_events(const char *text, const char *engine, uint32_t *most)
     return sum;
 }
 
-/* Packets of steep sheets soon take other ways in the other precision, so their sums are compared:
- * events of a packet scatter by about their mean, and one packet in five differs. One that stays in a groove
- * makes a thousand. */
+/* Compares the sums of boundary events in both precisions, because packets of steep sheets soon take
+ * different ways.
+ *
+ * The number of events of a packet scatters by about its mean, and one packet in five differs. A packet that
+ * stays in a groove has a thousand. */
 static void expect_same(const char *obj, double slope, double n, double angle)
 {
     char text[512];

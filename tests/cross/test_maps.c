@@ -1,5 +1,6 @@
-/* Maps and facets against the totals, exactly, and against radial bins and paper, on every engine and kind of
- * boundary. SPDX-License-Identifier: MIT */
+/* Compares maps and facets with the totals, exactly, and with radial bins and results on paper, on every
+ * engine and kind of boundary.
+ * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
 #include "output/report_parts.h"
@@ -9,13 +10,13 @@
 
 #define COUNT(array) (int)(sizeof(array) / sizeof *(array))
 
-/* A scene flown into one tally. */
+/* A scene and the tally of its flight. */
 struct shot {
     struct flight flight;
     struct cml_tally tally;
 };
 
-/* What groups of photons have apart, into the first of them. */
+/* Adds the cells of all groups of photons to those of the first group. */
 static void join_groups(uint64_t *cells, size_t groups, size_t n)
 {
     for (size_t g = 1; g < groups; g++)
@@ -49,7 +50,8 @@ static void clear(struct shot *shot)
     flight_close(&shot->flight);
 }
 
-/* Rough on both sides, so that packets enter and leave again; part of the light leaves outside the map. */
+/* A scene that is rough on both sides, so that packets enter and leave again. Part of the light leaves
+ * outside the map. */
 static const char *const rough = "1.0\n1\nrough A\n1000\nbeam disk 0.4 at=0.1,0\nfacets\n"
                                  "0.02 0.02\n10 15 3\n#@ map 12 8 0.05 0.05 angles\n2\n1\n"
                                  "b 4 0.05 0.1 -0.03 0.15 0.04 0.2 0 0\n1.4 0.5 20 0.8 0.2\n"
@@ -79,7 +81,7 @@ static void expect_totals(const struct shot *shot)
 {
     const struct cml_tally *t = &shot->tally;
     const size_t pixels = (size_t)t->grid.nx * (size_t)t->grid.ny + 1, na = (size_t)t->grid.na;
-    const size_t rows = (size_t)t->grid.nr + 1; /* one for what lies beyond */
+    const size_t rows = (size_t)t->grid.nr + 1; /* one row for light beyond the grid */
     for (size_t a = 0; a < na; a++) {
         assert_int_equal(sum_of_bins(t->Rd_xya, pixels, na, a), sum_of_bins(t->Rd_ra, rows, na, a));
         assert_int_equal(sum_of_bins(t->Tt_xya, pixels, na, a), sum_of_bins(t->Tt_ra, rows, na, a));
@@ -93,7 +95,7 @@ static void expect_totals(const struct shot *shot)
         assert_int_equal(score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW],
                          score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW]);
     }
-    /* what has escaped left the facet upwards, and more did that came back */
+    /* light that escaped left the facet upwards; light that came back adds to the exitance */
     assert_true(sum_of_score(shot, 0, CML_FACET_EXITANCE_ABOVE) > t->balance[CML_BALANCE_REFLECTED]);
     assert_true(sum_of_score(shot, last, CML_FACET_EXITANCE_BELOW) > t->balance[CML_BALANCE_TRANSMITTED]);
 }
@@ -111,8 +113,8 @@ static void sums_are_the_totals(void **state)
         }
 }
 
-/* Flat rings as wide as the radial bins: a ring's share of Rd and Tt is the bin's. Rounding may put a packet
- * on the other side of a ring. */
+/* Tests flat rings as wide as the radial bins: the share of a ring in Rd and Tt equals that of the bin.
+ * Rounding may put a packet on the other side of a ring. */
 static void flat_rings_are_radial_bins(void **state)
 {
     (void)state;
@@ -122,7 +124,7 @@ static void flat_rings_are_radial_bins(void **state)
           "cpu", CML_SURFACE_CONE, 40000, &shot);
     const struct cml_tally *t = &shot.tally;
     assert_int_equal(t->grid.facets, 8);
-    for (int i = 0; i < 4; i++) { /* the fourth ring is all that lies outside */
+    for (int i = 0; i < 4; i++) { /* the fourth ring is all light outside */
         const double up = (double)t->facets[i * CML_FACET_SCORES + CML_FACET_ESCAPED];
         const double down = (double)t->facets[(4 + i) * CML_FACET_SCORES + CML_FACET_ESCAPED];
         const double Rd = (double)t->Rd_ra[i] + (i == 3 ? (double)t->Rd_ra[4] : 0);
@@ -137,8 +139,8 @@ static void flat_rings_are_radial_bins(void **state)
     "1.0\n1\nlayers A\n1000\nmap 3 3 0.2 1000 volume" top "\n0.1 0.1\n4 5 1\n1\n1\n"                         \
     "b 3 0.1 0.5 0.05 0.5 0 0\n1.4 1 20 0.5 0.6\n1\n"
 
-/* Layers of a volume as wide as all light are the depth bins, and what lies outside them is outside; the
- * middle column of a coarse volume is the inner radial bins, roughly. */
+/* Tests a volume that holds all light: its layers equal the depth bins, and light outside them is counted
+ * outside. The middle column of a coarse volume roughly equals the inner radial bins. */
 static void layers_of_the_volume_are_depth_bins(void **state)
 {
     (void)state;
@@ -162,7 +164,7 @@ static void layers_of_the_volume_are_depth_bins(void **state)
     assert_int_equal(t->A_xyz[nz * pixels], beyond + sideways);
     struct shot raised;
     shoot(HILL(" top=-0.1"), "cpu", CML_SURFACE_AUTO, 4000, &raised);
-    uint64_t above = 0; /* the hill is a layer of its own now, and all others lie one deeper */
+    uint64_t above = 0; /* the hill is now a layer of its own, and all other layers lie one deeper */
     for (size_t i = 0; i < pixels; i++) above += raised.tally.A_xyz[i];
     assert_true(above > 0);
     assert_memory_equal(raised.tally.A_xyz + pixels, t->A_xyz, (nz - 1) * pixels * sizeof *t->A_xyz);
@@ -170,7 +172,7 @@ static void layers_of_the_volume_are_depth_bins(void **state)
     clear(&shot);
 }
 
-/* Planes between which no packet meets roulette: what goes in and does not come out was absorbed. */
+/* Tests planes between which no packet meets roulette: the net flux into the region equals its absorption. */
 static void the_flux_through_planes_is_what_the_balance_says(void **state)
 {
     (void)state;
@@ -202,13 +204,13 @@ static void the_flux_through_planes_is_what_the_balance_says(void **state)
     }
 }
 
-/* Per launched packet. */
+/* Returns the score per launched packet. */
 static double share_of_score(const struct shot *shot, int b, enum cml_facet_score score)
 {
     return (double)sum_of_score(shot, b, score) / (double)shot->tally.balance[CML_BALANCE_LAUNCHED];
 }
 
-/* Nothing comes back from below a clear plate: what goes to and fro in it is a geometric series. */
+/* Tests a clear plate with no light from below: the light to and fro in it is a geometric series. */
 static void light_between_the_faces_of_a_clear_plate_is_counted(void **state)
 {
     (void)state;
@@ -228,8 +230,9 @@ static void light_between_the_faces_of_a_clear_plate_is_counted(void **state)
     }
 }
 
-/* A beam that is not quite normal is traced through the plate, packet by packet: the same light, but for
- * chance. A packet comes to a face more than once at most with a share of r1 r2: binomial, 5 deviations. */
+/* Tests a beam that is not quite normal, and is therefore traced through the plate packet by packet: the
+ * light must be equal within chance. A packet comes to a face more than once with a share of at most r1 r2:
+ * binomial, 5 deviations. */
 static void a_clear_plate_counts_the_same_for_traced_packets(void **state)
 {
     (void)state;
@@ -258,8 +261,8 @@ static void a_clear_plate_counts_the_same_for_traced_packets(void **state)
     clear(&shot[1]);
 }
 
-/* A disk beam on a hill of nothing: the irradiance of a slope is the beam's times the cosine, and all of it
- * goes on. Counts are binomial; 4.5 standard deviations. */
+/* Tests a disk beam on a hill without any medium: the irradiance of a slope is the beam's times the cosine,
+ * and all light goes on. Counts are binomial; 4.5 standard deviations. */
 static void the_irradiance_of_a_slope_is_the_cosine(void **state)
 {
     (void)state;
@@ -284,8 +287,8 @@ static void the_irradiance_of_a_slope_is_the_cosine(void **state)
     clear(&shot);
 }
 
-/* The faces that are drawn have the areas that are divided by: exactly for triangles, as polygons for rings.
- */
+/* Tests that drawn faces have the areas by which results are divided: exactly for triangles, as polygons for
+ * rings. */
 static void faces_have_their_areas(void **state)
 {
     (void)state;
@@ -301,7 +304,7 @@ static void faces_have_their_areas(void **state)
         require_ok(cml_report_faces(def, &faces, &per_facet, &err), &err);
         assert_int_equal(faces.num_faces, (facets - 1) * per_facet);
         double flat = 0, areas = 0;
-        for (size_t i = 0; i < faces.num_faces; i++) { /* seen from above, by the shoelace rule */
+        for (size_t i = 0; i < faces.num_faces; i++) { /* area seen from above, by the shoelace rule */
             const uint32_t *corner = faces.corner + i * (size_t)faces.corners;
             for (int k = 0; k < faces.corners; k++) {
                 const double *p = faces.point[corner[k]], *q = faces.point[corner[(k + 1) % faces.corners]];

@@ -1,8 +1,9 @@
-/* Changes that must change nothing: scale by a power of two, move scene and beam together.
+/* Tests changes that must change no result: scaling by a power of two, and moving scene and beam together.
  * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
-/* ridges.obj over a noisy field over a plane, all lengths times `scale`, moved by `shift` cm along x. */
+/* Writes a scene: ridges.obj over a noisy field over a plane, all lengths times `scale`, moved by `shift` cm
+ * along x. */
 static void stack_scene(double scale, double shift, bool field, char *text, size_t size)
 {
     char interior[512] = "";
@@ -45,7 +46,8 @@ static void scaling_by_a_power_of_two_changes_no_packet(void **state)
     }
 }
 
-/* A radial field cannot move, a mesh can; only the last bits of its vertices change. */
+/* Moves a mesh and the beam. A radial field cannot be moved. Only the last bits of the mesh's vertices
+ * change. */
 static void moving_scene_and_beam_changes_no_packet(void **state)
 {
     (void)state;

@@ -1,6 +1,7 @@
-/* The null test: a boundary between identical media changes nothing, whatever its shape and representation.
- * Energy balance cannot see a wrong geometry; this can: every packet must keep its fate and its number of
- * interactions. SPDX-License-Identifier: MIT */
+/* The null test: a boundary between identical media changes no result, for any shape and representation. An
+ * energy balance cannot notice a wrong geometry, but this test can: every packet must keep its fate and its
+ * number of interactions.
+ * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
 #include "body_files.h"
@@ -65,14 +66,16 @@ static void reference_changes_no_packet(void **state)
     expect_no_change_any_shape("reference", 4000, 0);
 }
 
-/* 99.99 %: rounding to float moves a packet across a boundary or bin once in a while. */
+/* 99.99 % of packets are unchanged. Rounding to single precision sometimes moves a packet across a boundary
+ * or bin. */
 static void cpu_changes_at_most_one_packet_in_ten_thousand(void **state)
 {
     (void)state;
     expect_no_change_any_shape("cpu", 20000, 2);
 }
 
-/* Bodies in the layer: nested, side by side, in the way of the beam, a mesh with a sphere inside. */
+/* Checks that bodies of the layer's medium change no packet: nested, side by side, in the way of the beam, a
+ * mesh with a sphere inside. */
 static void expect_no_change_with_bodies(const char *engine, uint64_t photons, uint64_t allowed)
 {
     char text[2048], mesh[] = "/tmp/cml_null_XXXXXX.obj";

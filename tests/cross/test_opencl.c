@@ -1,5 +1,6 @@
-/* The opencl engine against the cpu engine, packet by packet, and against itself however the work is divided:
- * on every device that there is. SPDX-License-Identifier: MIT */
+/* Compares the opencl engine with the cpu engine, packet by packet, and with itself for every division of
+ * the work, on every device of the machine.
+ * SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/sanitized.h"
 #include "flight.h"
@@ -31,12 +32,12 @@ static const char *const scenes[] = {
 };
 enum { num_scenes = sizeof scenes / sizeof *scenes };
 
-static char device[16]; /* number of the one that is tested */
+static char device[16]; /* number of the device under test */
 
-/* How a kernel is built and work is divided. */
+/* A way to build a kernel and divide the work. */
 struct way {
     const char *name;
-    int group; /* one work-item: 16 lanes; several: one, as on a GPU */
+    int group; /* work-items of a group: one, with 16 lanes, or several with one lane each, as on a GPU */
     const char *build_options;
     bool loose_division;
 };
@@ -60,7 +61,7 @@ static void go(const struct way *way, struct bench *bench)
     bench->options.loose_division = way->loose_division;
 }
 
-/* Packets [first, first + count) on an engine that stays open. */
+/* Returns the tally of packets [first, first + count) on an engine that stays open. */
 static struct cml_tally fly_range(const struct bench *bench, const struct cml_engine *engine, void *self,
                                   uint64_t first, uint64_t count)
 {
@@ -72,7 +73,7 @@ static struct cml_tally fly_range(const struct bench *bench, const struct cml_en
 
 enum { packets = 20011 };
 
-/* How many packets of a scene end in another way than on the cpu. */
+/* Returns how many packets of a scene end differently than on the cpu. */
 static int count_differing(const struct bench *bench)
 {
     static struct cml_fate_record a[packets], b[packets];
@@ -90,9 +91,11 @@ static int count_differing(const struct bench *bench)
     return differ;
 }
 
-/* A kernel is compiled for each way and each combination of shapes, bodies and phase functions, which takes
- * most of the test's time. Where not all cases are asked for, none is compiled for bodies alone, phase
- * functions alone, words alone or loose division, and groups fly heightfields (2) only. */
+/* True if this way is tested with this scene. Compiling a kernel for each way and each combination of
+ * shapes, bodies and phase functions takes most of the test's time.
+ *
+ * Unless all cases are asked for, no kernel is compiled for bodies alone, phase functions alone, words alone
+ * or loose division, and groups fly heightfields (2) only. */
 static bool is_flown(const struct way *way, int scene)
 {
     const bool all = cases_step() == 1, both = scene == 2 || scene == 6;
@@ -125,8 +128,8 @@ static void fates_are_those_of_the_cpu(void **state)
     compare_fates(&poor);
 }
 
-/* Weight that lies in another cell than on the cpu, a share of all: packets that differ, and those that
- * rounding has put beyond the edge of a bin. */
+/* Returns the share of weight that lies in another cell than on the cpu: packets that differ, and packets
+ * that rounding has put beyond the edge of a bin. */
 static double share_elsewhere(const struct cml_tally *a, const struct cml_tally *b)
 {
     const uint64_t cells = cml_tally_cells(&a->grid);
@@ -181,7 +184,7 @@ static void records_add_up_to_the_tally(void **state)
         const uint64_t units = (uint64_t)(records[i].absorbed * 2147483648.0);
         interactions += records[i].interactions;
         absorbed += units;
-        if (records[i].fate == 2) reflected += records[i].weight; /* CML_FATE_REFLECTED */
+        if (records[i].fate == 2) reflected += records[i].weight; /* the value of CML_FATE_REFLECTED */
     }
     assert_true(interactions == tally.count[CML_COUNT_INTERACTIONS]);
     assert_true(reflected == tally.balance[CML_BALANCE_REFLECTED] && reflected > 0);
@@ -191,7 +194,7 @@ static void records_add_up_to_the_tally(void **state)
     tear_down(&bench);
 }
 
-/* One packet, none, numbers that are multiples of nothing, indices beyond 2^32. */
+/* Tests one packet, none, numbers that are multiples of no group size, and indices beyond 2^32. */
 static void any_number_of_packets_balances(void **state)
 {
     (void)state;
@@ -212,13 +215,14 @@ static void any_number_of_packets_balances(void **state)
     }
 }
 
-/* Groups with shared local memory, 32-bit words with carry, several devices, chunks: the same bits. */
+/* Tests that groups with shared local memory, 32-bit words with carry, several devices, and chunks give the
+ * same bits. */
 static void division_of_work_does_not_change_a_bit(void **state)
 {
     (void)state;
     static const struct {
         struct way way;
-        int times; /* as often as the device is named */
+        int times; /* number of times that the device is named */
         uint64_t chunk;
     } ways[] = {
         {{"chunks", 0, NULL, false}, 1, 1000},
@@ -236,7 +240,9 @@ static void division_of_work_does_not_change_a_bit(void **state)
     cml_engine_opencl.close(self);
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
         char devices[3 * sizeof device + 3];
-        if (ways[i].way.build_options && !ways[i].way.group && cases_step() > 1) continue; /* words alone */
+        if (ways[i].way.build_options && !ways[i].way.group && cases_step() > 1)
+            continue; /* a case for
+                       * words alone */
         snprintf(devices, sizeof devices, "%s,%s,%s", device, device, device);
         devices[(size_t)ways[i].times * (strlen(device) + 1) - 1] = '\0';
         go(&ways[i].way, &bench);
@@ -264,7 +270,7 @@ static void note_event(void *context, const struct cml_trace_event *event)
     events->what[events->count] = '\0';
 }
 
-/* Packets of 20 whose trace differs. */
+/* Returns how many of 20 packets have a different trace. */
 static int count_differing_traces(int group)
 {
     static struct events a, b;

@@ -1,4 +1,4 @@
-/* Bodies whose mesh has several closed parts against the same surfaces as bodies of their own.
+/* Compares bodies whose mesh has several closed parts with the same surfaces as separate bodies.
  * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
@@ -32,8 +32,8 @@ static void write_both(const char *path, const struct cml_scene_body *a, const s
     cml_mesh_clear(&both);
 }
 
-/* How many of `photons` packets end otherwise where two spheres are one mesh (`first` is its line) than where
- * each is one of its own (`second`). */
+/* Returns how many of `photons` packets end differently if two spheres are one mesh (line `first`) or two
+ * meshes (lines `second`). */
 static int count_changed(const char *engine, const char *first, const char *second, int photons)
 {
     static const char *const text = "1.0\n1\nparts A\n1000\n0.01 0.01\n10 10 1\nbeam disk 0.2\n1\n1\n"
@@ -51,7 +51,8 @@ static int count_changed(const char *engine, const char *first, const char *seco
     return different;
 }
 
-/* Of packets of `cpu` rounding changes a few: the frame of a mesh is its middle. */
+/* Checks that both scenes give the same packets. On `cpu`, rounding may change a few, because the frame of a
+ * mesh is its middle. */
 static void expect_same(const char *first, const char *second)
 {
     assert_int_equal(count_changed("reference", first, second, 3000), 0);
@@ -99,7 +100,7 @@ static void two_spheres_are_one_body(void **state)
     remove_files(&files);
 }
 
-/* What lies in the cavity is the layer; as a body of the layer's medium in another it changes nothing. */
+/* A cavity has the medium of the layer. It acts like a body of the layer's medium inside another body. */
 static void a_cavity_is_what_is_around(void **state)
 {
     (void)state;
@@ -144,7 +145,7 @@ static void write_boxes(const char *path, const double (*box)[2][3], int count)
     assert_int_equal(fclose(file), 0);
 }
 
-/* A box made of boxes that overlap, lie within it, and end in its faces. */
+/* Tests a box made of boxes that overlap, lie within it, and end in its faces. */
 static void a_union_of_boxes_is_a_box(void **state)
 {
     (void)state;

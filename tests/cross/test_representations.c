@@ -1,11 +1,12 @@
-/* The same surface as plane, cones and mesh: packet by packet where they are the same surface, in the mean
- * where the mesh only approaches it, with the error's order measured. SPDX-License-Identifier: MIT */
+/* Compares one surface as plane, cones and mesh: packet by packet if the surfaces are identical, and in the
+ * mean if the mesh only approaches the surface. Then the order of the error is measured.
+ * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
 #include <math.h>
 
-/* Flat at -0.02 and 0.03 cm off the nominal depths, mismatched everywhere; oblique, so that the plane too
- * draws its first reflection at random. */
+/* Flat boundaries at -0.02 and 0.03 cm off the nominal depths, with different indices everywhere. The beam
+ * is oblique, so that the plane also draws its first reflection at random. */
 static const char *const flat_scene =
     "1.0\n1\nflat A\n1000\nbeam pencil angle=20 azimuth=30\n0.01 0.01\n10 10 1\n2\n1\n"
     "b 4 0.02 0.1 0.02 0.1 0.02 0.2 0.02 0\n1.37 0.5 20 0.8 0.2\n"
@@ -44,8 +45,8 @@ static void flat_mesh_is_the_plane(void **state)
     expect_same_fates("cpu", CML_SURFACE_MESH, 40000, 4);
 }
 
-/* Hill H = 0.1, R = 0.5 cm under a disk beam of its size: the scene of the measured bias of inscribed n-gons,
- * -0.048 / n^2 of the absorbed fraction. */
+/* A hill with H = 0.1 and R = 0.5 cm under a disk beam of its size. Here the bias of inscribed n-gons was
+ * measured: -0.048 / n^2 of the absorbed fraction. */
 static const char *const hill_scene = "1.0\n1\nhill A\n1000\nbeam disk 0.5\n0.01 0.01\n10 10 1\n1\n1\n"
                                       "b 2 0.1 0.5 0 0\n1.33 0.1 10 0.8 0.15\n1\n";
 
@@ -53,7 +54,7 @@ struct bias {
     double mean, error;
 };
 
-/* Mean difference of the absorbed weight, mesh minus cone, on the same random streams. */
+/* Returns the mean difference of the absorbed weight, mesh minus cone, on the same random streams. */
 static struct bias absorbed_bias(const struct flight_options *mesh_options, uint64_t photons)
 {
     struct flight cone, mesh;
@@ -72,8 +73,8 @@ static struct bias absorbed_bias(const struct flight_options *mesh_options, uint
     return (struct bias){mean, sqrt((squares / n - mean * mean) / n)};
 }
 
-/* Tolerance whose rings have n segments: largest radial deviation pi^2 / (2 n^2) inscribed, pi^2 / (3 n^2)
- * with area-preserving vertices. */
+/* Returns the tolerance whose rings have n segments. The largest radial deviation is pi^2 / (2 n^2) for
+ * inscribed vertices, pi^2 / (3 n^2) for area-preserving ones. */
 static double tolerance_of(int n, bool inscribed)
 {
     return 1.001 * 9.869604401089358 / ((inscribed ? 2.0 : 3.0) * n * n);
@@ -100,7 +101,7 @@ static void inscribed_rings_are_biased_in_second_order(void **state)
                   b8.error, b16.mean, b16.error, order, order_error);
     assert_true(fabs(b8.mean + 0.048 / 64) < 5 * b8.error + 0.05 * 0.048 / 64);
     assert_true(fabs(order - 2) < 4 * order_error);
-    /* what is left of a bias of first order at n = 32, -0.048 / 256, lies beyond this limit */
+    /* the rest of a first-order bias at n = 32, -0.048 / 256, would lie beyond this limit */
     const struct bias b32 = bias_of(32, true, CML_NORMALS_FACET, 400000);
     print_message("bias of A: %.3g +- %.2g at n = 32\n", b32.mean, b32.error);
     assert_true(b32.error < 2.9e-5);

@@ -1,5 +1,5 @@
-/* Spheres and cylinders that are small beside the spacing of single precision where they lie: against the
- * same ones in double precision near the frame's origin, and against Fresnel's equations.
+/* Compares spheres and cylinders that are small beside the spacing of single precision at their place with
+ * the same bodies in double precision near the frame's origin, and with Fresnel's equations.
  * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
@@ -8,12 +8,12 @@
 #include <float.h>
 #include <math.h>
 
-/* Half the width of a body, cm, that at a depth of 0.5 cm is so many roundings of single precision. */
+/* Half the width of a body [cm]: ROUNDINGS units of single precision at a depth of 0.5 cm. */
 #define DEPTH 0.5
 #define ROUNDINGS 33
 static const double small = ROUNDINGS * FLT_EPSILON * DEPTH;
 
-/* How packets have ended, and the mean of their absorbed weight with its error. */
+/* Counts of the fates of packets, and the mean of their absorbed weight with its error. */
 struct ends {
     int fates[CML_NUM_FATES];
     double events, absorbed, err_absorbed;
@@ -50,8 +50,9 @@ static struct ends ends_of(const char *text, const char *engine, int photons)
 
 enum form { CYLINDERS, SPHERES, COATED };
 
-/* 7 x 7 bodies of n 1.5 at random places around a depth, in a clear layer, below a beam as wide as they are.
- * mut: of the bodies, per half a width. The core of a coated one is clear. */
+/* Writes a scene: 7 x 7 bodies of n 1.5 at random places around a depth, in a clear layer, below a beam as
+ * wide as they are. mut: optical depth of a body over half its width. The core of a coated sphere is clear.
+ */
 static void small_bodies_text(char *text, enum form form, double depth, double mut)
 {
     const double r = small, mua = 0.3 * mut / r, mus = 0.7 * mut / r;
@@ -75,9 +76,9 @@ static void small_bodies_text(char *text, enum form form, double depth, double m
     sprintf(at, "1\n");
 }
 
-/* Light that runs round in a small body far from the frame's origin stays on its chord: no packet freezes,
- * and none is caught that could not be. In double precision the same bodies lie where no coordinate is large.
- */
+/* Tests that light that runs round in a small body far from the frame's origin stays on its chord: no packet
+ * freezes, and none is caught that could not be. In double precision, the same bodies lie where no
+ * coordinate is large. */
 static void small_bodies_hold_their_light_as_large_ones_do(void **state)
 {
     (void)state;
@@ -105,7 +106,7 @@ static void small_bodies_hold_their_light_as_large_ones_do(void **state)
         }
 }
 
-/* R of unpolarised light that falls from index 1 onto n with the cosine ci. */
+/* Returns the reflectance for unpolarised light that falls from index 1 onto index n with the cosine ci. */
 static double fresnel(double ci, double n)
 {
     const double ct = sqrt(1 - (1 - ci * ci) / (n * n)), s = (ci - n * ct) / (ci + n * ct),
@@ -113,9 +114,11 @@ static double fresnel(double ci, double n)
     return 0.5 * (s * s + p * p);
 }
 
-/* Parallel light on a clear sphere of n 1.5, all of which it meets: the square of the cosine of incidence is
- * uniform. R is reflected, and (1 - R)^2 R^(k - 1) leaves behind the k-th chord, as the angle inside is that
- * of the refraction on the way in. */
+/* Tests parallel light on a clear sphere of n 1.5 that meets all of it, so that the square of the cosine of
+ * incidence is uniform.
+ *
+ * The share R is reflected, and (1 - R)^2 R^(k - 1) leaves after the k-th chord, because the angle inside
+ * equals that of the refraction on the way in. */
 static void a_small_clear_sphere_shares_light_as_fresnel_has_it(void **state)
 {
     (void)state;
@@ -134,8 +137,8 @@ static void a_small_clear_sphere_shares_light_as_fresnel_has_it(void **state)
              small, DEPTH, small);
     struct cml_fate_record *records = fly_all(text, "cpu", photons);
     for (int i = 0; i < photons; i++) {
-        const int chords =
-            (int)records[i].boundary_events - 2; /* 0 is met once, the layer's plane once by all */
+        const int chords = (int)records[i].boundary_events - 2; /* every packet crosses one plane on its way
+                                                                 * in and one on its way out */
         assert_true(records[i].fate == CML_FATE_TRANSMITTED || records[i].fate == CML_FATE_REFLECTED);
         if (chords >= 0 && chords <= CHORDS) found[chords] += 1.0 / photons;
     }

@@ -1,6 +1,7 @@
-/* Tiles: packet by packet against a patch of 9 x 9 copies whose rim no packet comes to, against the plane,
- * and the engines against each other. The patch is a mesh like any other, merged where it is flat, without
- * periods. SPDX-License-Identifier: MIT */
+/* Compares tiles, packet by packet, with a patch of 9 x 9 copies whose rim no packet reaches, then with the
+ * plane, and the engines with each other. The patch is an ordinary mesh, merged where it is flat, without
+ * periods.
+ * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@ enum { CELLS = 24 };
 static char folder[] = "/tmp/cml_tile_XXXXXX";
 static char tile_path[64], patch_path[64], level_path[64];
 
-/* Waves along both axes and across; `height` cm. */
+/* Returns the height [cm] of waves along both axes and across; `height`: scale [cm]. */
 static double height_at(int i, int j, double height)
 {
     const double x = 6.283185307179586 * i / CELLS, y = 6.283185307179586 * j / CELLS;
@@ -51,7 +52,8 @@ static int remove_maps(void **state)
     return rmdir(folder);
 }
 
-/* Strongly absorbing: light dies long before a patch of 2.16 cm ends. Two boundaries. */
+/* Writes a scene that absorbs strongly, so that light dies long before a patch of 2.16 cm ends. Two
+ * boundaries have the map. */
 static void scene_of(const char *path, const char *option, char *text, size_t size)
 {
     snprintf(text, size,
@@ -60,7 +62,8 @@ static void scene_of(const char *path, const char *option, char *text, size_t si
              path, option, path, option);
 }
 
-/* The tile's heights count as they are, a patch's rim is led to its mean: they differ outside only. */
+/* Compares tile and patch. Heights of the tile count as they are, and the rim of the patch is led to its
+ * mean: they differ only outside. */
 static void expect_the_patch(const char *engine, uint64_t photons, uint64_t allowed)
 {
     char tile[1024], patch[1024];
@@ -85,7 +88,7 @@ static void a_tile_is_a_patch_without_a_rim(void **state)
     expect_the_patch("cpu", 20000, 2);
 }
 
-/* Of 1e4 packets one may end elsewhere: rounding moves it across an edge. */
+/* Compares the engines. One packet in 1e4 may end differently, because rounding moves it across an edge. */
 static void the_engines_agree(void **state)
 {
     (void)state;

@@ -1,5 +1,7 @@
-"""What an .h5 says of bodies: shares and media along `body`, facets of all of them along `body_facet`. Sums over facets are `flux_body`,
-areas are known, and what arrives at a body leaves it. JSON and tables of sweeps have the same."""
+"""Tests of bodies in an .h5 file: shares and media stand along `body`, facets of all bodies along `body_facet`.
+
+Sums over facets are `flux_body`, areas are known, and all light that arrives at a body leaves it or is absorbed. JSON and tables of sweeps have
+equal numbers."""
 import csv
 import itertools
 import json
@@ -33,7 +35,8 @@ FACES = [(1, 2, 4), (1, 4, 3), (5, 7, 8), (5, 8, 6), (1, 5, 6), (1, 6, 2), (3, 4
 
 
 def check_drawing(verdict, path, file):
-    """Every face has its facet's values; the cube's are its triangles, the others have about the area of their body."""
+    """Checks a drawing: every face has the values of its facet. The cube's facets are its triangles; other drawings have about the area of their
+    body."""
     drawing = read_vtk(path)
     arrays, points = arrays_of(drawing), drawing.GetBounds()
     body = arrays["body"]
@@ -75,7 +78,7 @@ def check(verdict, file):
 
 
 def check_tables(verdict, folder):
-    """A sweep of one row that changes nothing: in its tables, and in JSON."""
+    """Checks the table and the JSON of a sweep with one row that changes nothing."""
     with open(os.path.join(folder, "one.csv"), "w", encoding="utf-8") as file:
         file.write("body1.mua\n5\n")
     said = subprocess.run([cml.PROGRAM, os.path.join(folder, "bodies.mci"), "--json", "-o", folder, "--sweep", os.path.join(folder, "one.csv")],

@@ -1,10 +1,9 @@
-"""Standard errors of pixels and facets: how often 150 independent runs lie within 1 and 2 of them from the mean of all; an
-argument says how many runs (long.coverage_maps: 500).
+"""Tests standard errors of pixels and facets: counts how often 150 independent runs lie within 1 and 2 errors of the mean of all runs.
 
-Errors come from 16 groups of packets, with random sampling and with the lattice. Every pixel of Rd_xy and Tt_xy, bin of
-Rd_xya, and ring of Rd with 60 packets or more in a run; of 500 runs shares must be 66.7 +- 7 % and 93.6 +- 5.5 %, those of
-Student's distribution with 15 degrees of freedom, 3.3 and 5 deviations for each: groups of four packets are skewed. Of 150 runs they
-may be off by 12.8 and 10 %, which an error that is a third too small or half too large exceeds."""
+An argument is the number of runs (long.coverage_maps: 500). Errors come from 16 groups of packets, with random sampling and with the lattice.
+Tested are pixels of Rd_xy and Tt_xy, bins of Rd_xya, and rings of Rd, if 60 packets or more arrive in a run. Student's distribution with 15 degrees
+of freedom gives shares of 66.7 and 93.6 %. With 500 runs, shares may differ by 7 and 5.5 %, which is 3.3 and 5 deviations, because groups of four
+packets are skewed. With 150 runs they may differ by 12.8 and 10 %; errors that are a third too small or half too large exceed this."""
 import os
 import sys
 import tempfile
@@ -15,7 +14,7 @@ from fields import h5py, numpy  # noqa: E402
 
 RUNS, PHOTONS, PACKETS = int(sys.argv[1]) if len(sys.argv) > 1 else 150, 10000, 60
 WIDER = (500 / RUNS) ** 0.5
-SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # many files, each of them synced
+SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # the test writes many files, each of which is synced
 NAMES = ["Rd_xy", "Tt_xy", "Rd_xya", "boundary0_Rd"]
 
 

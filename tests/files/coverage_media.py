@@ -1,8 +1,8 @@
-"""Standard errors of what is summed over many deposits of a packet: how often runs lie within one of their errors of the mean.
+"""Tests standard errors of quantities to which one packet adds many times: counts how often runs lie within one of their errors of the mean.
 
-Six scenes, two of them with lattice sampling, two with bodies; an argument says how many runs of each. Every number with 300
-packets or more in a run, (value / error)^2. The share within 1 error, of each quantity over all scenes and bins, must be
-68 +- 5 % with 400 runs, and 68 +- 20 % with the 20 that fit into seconds, where an error that is half or twice as large shows."""
+There are six scenes, two with lattice sampling and two with bodies. An argument is the number of runs of each. Only numbers with 300 packets or
+more in a run count. The share within 1 error, of each quantity over all scenes and bins, must be 68 +- 5 % with 400 runs. With the 20 runs that fit
+into seconds it must be 68 +- 20 %, which still shows an error that is half or twice as large."""
 import os
 import sys
 import tempfile
@@ -14,7 +14,7 @@ from fields import h5py, numpy  # noqa: E402
 RUNS = int(sys.argv[1]) if len(sys.argv) > 1 else 20
 WITHIN = 0.05 if RUNS >= 400 else 0.2
 PACKETS = 300
-SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # many files, each of them synced
+SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # the test writes many files, each of which is synced
 NAMES = ("A_l", "A_body", "A_rz", "Rd_ra", "Tt_ra", "A_xyz", "flux_body", "boundary0_irradiance_below", "boundary0_exitance_above", "body_irradiance_outside",
          "body_exitance_inside")
 HILL = {b: "b 4 0.1 0.1 0.08 0.2 -0.02 0.2 -0.1 0.1" for b in (0, 1)}
@@ -31,7 +31,7 @@ SCENES = {
 
 
 def fly(scene, sampling):
-    """{name: [runs][numbers]} of quantities and errors."""
+    """Returns {name: [runs][numbers]} of quantities and their errors."""
     found = {}
     with tempfile.TemporaryDirectory(dir=SCRATCH) as keep:
         scene = {**scene, "extra": [*scene.get("extra", []), "map 3 3 0.2 0.2 volume", "facets"]}

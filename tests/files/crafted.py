@@ -1,6 +1,8 @@
-"""Crafted .h5 files: attributes that are arrays, names too long, sizes that wrap or that the file cannot hold, links and values
-elsewhere, other filters, chunks that are not what they say, numbers that no run writes, a FIFO. plot and compare
-refuse each in one line that is written out here, with exit code 2, in 2 GB and 20 seconds, and write nothing."""
+"""Tests `plot` and `compare` on crafted .h5 files. Each file is refused in one line, which is written out here, with exit code 2, within 2 GB and
+20 seconds, and no file is written.
+
+The files have attributes that are arrays, names too long, sizes that wrap or that the file cannot hold, links, values in other files, other
+filters, chunks that are not what they claim, numbers that no run writes, and a FIFO."""
 import os
 import resource
 import shutil
@@ -37,7 +39,7 @@ CASES = []
 
 
 def case(commands, message):
-    """The function changes the file bad.h5, and may return bytes to replace in it; the message follows the file's name."""
+    """Adds a case. The decorated function changes the file bad.h5, and may return bytes to replace in it. message: the text after the file's name."""
     def add(change):
         CASES.append((change.__name__, change, commands.split(), message))
         return change
@@ -250,13 +252,13 @@ def limit():
 
 
 def check(verdict, name, command, message):
-    """`message` may be the beginning."""
+    """Runs a command on bad.h5 and checks its message. `message` may be only the beginning of the text."""
     try:
         run = subprocess.run([cml.PROGRAM, *COMMANDS[command]], capture_output=True, text=True, timeout=20, preexec_fn=limit)
         said, code = run.stderr, run.returncode
     except subprocess.TimeoutExpired:
         said, code = "nothing for 20 seconds", None
-    if command in ("compare", "plot", "curve"):  # the Python package: it may not need what is wrong, and has words of its own
+    if command in ("compare", "plot", "curve"):  # the Python package may not need the damaged part, and has words of its own
         good = code in (0, 1) or code == 2 and said.startswith("clustermcml: bad.h5: ") and said.count("\n") == 1
         message = "one line"
     else:

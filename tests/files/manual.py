@@ -1,6 +1,7 @@
-"""What the manual's pages promise: each block that can be run runs (tutorial.py runs those of the tutorial), pages of input have
-the program's own table of keys, pages of output name every key of JSON, every array and attribute of a result, and what has
-standard errors."""
+"""Tests the pages of the manual. Each block that can be run runs, except blocks of the tutorial, which tutorial.py runs.
+
+Pages of input must have the program's own table of keys. Pages of output must name every key of JSON, every array and attribute of a result, and
+the arrays that have standard errors."""
 import json
 import os
 import re
@@ -14,7 +15,7 @@ import manual  # noqa: E402
 import warm_python  # noqa: E402
 from fields import h5py  # noqa: E402
 
-os.environ["PYTHONPATH"] = os.path.join(manual.TOP, "src", "python")  # as if the package were installed; long.pip installs it
+os.environ["PYTHONPATH"] = os.path.join(manual.TOP, "src", "python")  # the package counts as installed; long.pip really installs it
 sys.path.insert(0, os.environ["PYTHONPATH"])
 
 
@@ -51,7 +52,7 @@ def output_text():
 
 
 def check_names(verdict, folder):
-    """Every key of the JSON line, every path of the .h5 and every section of the .mco."""
+    """Checks that the pages of output name every key of the JSON line, every path of the .h5 and every section of the .mco."""
     status, output = run(os.path.join(manual.TOP, "samples/skinmap.mci"), "--photons", "2e4", "--json", folder=folder)
     verdict.check("skinmap", status == 0, output)
     record = json.loads(output)

@@ -1,8 +1,8 @@
-"""Runs stay within the memory that is printed before them, and scenes of many bodies, layers, triangles, cells of phase functions and pixels come close to it; what is
-larger is refused with the figure.
+"""Tests that runs stay within the memory that is printed before them, and refuse scenes that need more than the machine has.
 
-Maps: a wide beam on a slab, so that pixels all over the map are touched. Peak resident memory, as the system counts it for the one
-process, against the printed line of `run` and of `check`."""
+Scenes of many bodies, layers, triangles, cells of phase functions and pixels must come close to the printed figure. For maps, a wide beam on a slab
+touches pixels everywhere. The peak of resident memory, which the system counts for one process, is compared with the printed line of `run` and of
+`check`."""
 import math
 import os
 import random
@@ -17,7 +17,7 @@ import cml  # noqa: E402
 from fields import h5py  # noqa: E402
 
 
-# The system counts for a process what the one held that started it: this one holds little.
+# The system adds to a process's peak the memory of the process that started it. This starter holds little.
 STARTER = """import os, sys
 _, status, usage = os.wait4(os.spawnv(os.P_NOWAIT, sys.argv[2], sys.argv[2:]), 0)
 open(sys.argv[1], "w").write(str(usage.ru_maxrss))
@@ -33,7 +33,7 @@ def scene(line, nz=1):
 
 
 def run(text, keep, command="run", more=()):
-    """What it said, and its peak in MiB."""
+    """Runs a command on a scene. Returns the finished process, and its peak of memory in MiB."""
     path = os.path.join(keep, "scene.mci")
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
@@ -64,7 +64,7 @@ def check(verdict, name, line, nz, least, dataset, shape):
 
 
 def spheres(edge, shells):
-    """On a cubic grid below the surface, each with others in it."""
+    """Returns lines of spheres on a cubic grid below the surface, each with `shells` concentric spheres."""
     step = 0.9 / edge
     return [f"i sphere {(x + 0.5) * step - 0.45:.9g} {(y + 0.5) * step - 0.45:.9g} {(z + 0.5) * step + 0.05:.9g} "
             f"{0.45 * step * (s + 1) / shells:.9g} 1.3 1 10 0.8"
@@ -77,7 +77,7 @@ def with_bodies(bodies):
 
 
 def write_waves(path, cells):
-    """A sheet of 2 x 2 cm with its border at 0."""
+    """Writes a wavy sheet of 2 x 2 cm whose border lies at height 0."""
     with open(path, "w", encoding="utf-8") as file:
         for j in range(cells + 1):
             for i in range(cells + 1):
@@ -90,7 +90,7 @@ def write_waves(path, cells):
 
 
 def write_phases(folder, count):
-    """Densities of which no two rows are alike, so that all cells of their tables have parts; c is as good as even."""
+    """Writes tables of phase functions in which no two rows are alike, so that all cells have parts. The mean cosine is nearly 0."""
     dice, cosines = random.Random(5), [math.cos(math.radians(180 * k / 5000)) for k in range(5001)]
     for k in range(count):
         p = [dice.random() ** 8 for _ in cosines]
@@ -109,8 +109,8 @@ def write_image(path, edge):
 
 
 def check_scenes(verdict):
-    """Neither more than is printed, nor much less: 0.7 of it at least, or half where 100 packets meet few of many media, so that pages of
-    sums by medium and batch stay untouched."""
+    """Checks that the peak is at most the printed memory, and at least 0.7 of it. The limit is half where 100 packets meet few of many media, and
+    leave pages of sums untouched."""
     scenes = {
         "spheres side by side": with_bodies(spheres(40, 1)),
         "spheres in each other": with_bodies(spheres(5, 500)),
@@ -141,7 +141,7 @@ def check_scenes(verdict):
 
 
 def check_rows(verdict):
-    """Rows of one flight, with gates of their own in every batch."""
+    """Checks rows that share one flight, with time gates of their own in every batch."""
     text = cml.mci(["1.4 1 10 0.8 1"], photons=20000, extra=["time 100 1000"])
     with tempfile.TemporaryDirectory() as keep:
         more = ["--sweep", os.path.join(keep, "rows.csv"), "--reweight", "--checkpoint", "off"]
@@ -154,7 +154,7 @@ def check_rows(verdict):
 
 
 def check_refusal(verdict):
-    """Just under 2^31 cells, 48 GiB, and the .h5 file of four arrays in single precision, which is made in memory."""
+    """Checks the refusal of a map just under 2^31 cells: 48 GiB, and the .h5 file of four single-precision arrays, which is made in memory."""
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**30
     with tempfile.TemporaryDirectory() as keep:
         if memory < 52:
@@ -166,7 +166,7 @@ def check_refusal(verdict):
 
 
 def check_saved(verdict):
-    """Few photons need little memory however large limit= is; --more counts those flown before, too."""
+    """Checks that few photons need little memory, however large limit= is. --more also counts photons of earlier runs."""
     text = cml.mci(["1.4 1 10 0.8 1"], photons=100, extra=['photons "out" limit=1000000000'])
     with tempfile.TemporaryDirectory() as keep:
         done, _ = run(text, keep, "check")

@@ -1,7 +1,8 @@
-"""mc.merge: every array of two runs is their mean by photons (errors: the root of the sum of squares; sums and what belongs to the
-scene as they are), maps, volumes, facets and detectors included, of .h5 and .mco files and of Datasets; so is a mean that is
-merged again. One packet has no error: it counts as the others scatter. What does not belong together is refused with the
-first difference. Formulas are written out here."""
+"""Tests mc.merge on .h5 files, .mco files and Datasets. Every array of two runs becomes their mean, weighted by photons.
+
+Errors become the root of the sum of squares. Sums are added, and arrays of the scene stay. Maps, volumes, facets and detectors are included, and a
+mean can be merged again. A result of one packet has no error, and is taken to scatter like the others. Results that do not belong together are
+refused with the first difference. Formulas are written out here."""
 import os
 import shutil
 import sys
@@ -35,7 +36,7 @@ EQUAL = ("layer_", "body_n", "body_mu", "body_g", "body_of_facet")
 
 
 def fly(name, photons, seed, *options, mua=0.5, lines=""):
-    """The path of the result of a run."""
+    """Runs a scene. Returns the path of the result."""
     with open("scene.mci", "w", encoding="utf-8") as file:
         file.write(SCENE.format(name=name, format="B" if name.endswith(".h5") else "A", mua=mua, lines=lines))
     cml.run("scene.mci", "--photons", photons, "--seed", seed, *options, keep=".")
@@ -43,7 +44,7 @@ def fly(name, photons, seed, *options, mua=0.5, lines=""):
 
 
 def expected(name, one, two, shares, light):
-    """From values of both, the shares of their photons, and what both have detected, in packets."""
+    """Returns the expected merged value from both values, their shares of photons, and the light that a detector has seen, in packets."""
     a, b = shares
     if name.startswith(EQUAL) or name.endswith("area"):
         return one
@@ -69,7 +70,7 @@ def check(verdict, what, files, merged, shares):
 
 
 def single_packets(verdict):
-    """Of three packets the spread is the error; beside 3000 packets one has theirs."""
+    """Checks results of one packet: three of them have their spread as error; one beside 3000 packets has the error of those."""
     paths = [fly(f"one{seed}.h5", 1, seed) for seed in (4, 5, 6)]
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -1,5 +1,5 @@
-"""samples/readers/clustermcml_read.m under GNU Octave: the arrays of an .mco and an .h5 are those of the files, in the order that
-its text promises, and bad files are refused in one line."""
+"""Tests samples/readers/clustermcml_read.m under GNU Octave: arrays of an .mco and an .h5 equal those of the files, in the order that its text
+promises. Bad files are refused in one line."""
 import os
 import re
 import shutil
@@ -12,7 +12,7 @@ import cml  # noqa: E402
 from fields import h5py, numpy  # noqa: E402
 
 READERS = os.path.join(os.path.dirname(cml.TESTS), "samples", "readers")
-# every numeric field: its name, its shape, and its numbers with the last axis first, as Python would list them
+# Prints every numeric field: name, shape, and numbers with the last axis varying fastest, as Python lists them.
 PRINT_ALL = """
 addpath('%s');
 data = clustermcml_read('%s');
@@ -30,13 +30,13 @@ REFUSE = "addpath('%s'); try, clustermcml_read('%s'); catch e, disp(e.message), 
 
 
 def octave(program):
-    """What it prints. Octave of Debian 12 may fail after its last command, when it ends."""
+    """Returns the text that Octave prints. Octave of Debian 12 may fail after its last command, as it ends, which is ignored."""
     return subprocess.run(["octave-cli", "--eval", program], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                           check=False).stdout
 
 
 def arrays(path):
-    """{name: (shape, numbers)} as Octave has read them."""
+    """Returns {name: (shape, numbers)} as Octave has read them."""
     found = {}
     for line in octave(PRINT_ALL % (READERS, path)).splitlines():
         head, numbers = line.split(":")
@@ -59,7 +59,7 @@ def check_h5(verdict, path):
 
 
 def sections_of(path):
-    """{key: all numbers of the section}."""
+    """Returns {key: all numbers of the section} of an .mco."""
     with open(path, encoding="utf-8") as file:
         parts = re.split(r"(?m)^([A-Za-z]\w*)(?: #.*)?$", file.read())
     return {key: [float(word) for word in re.sub("#.*", "", body).split()] for key, body in zip(parts[1::2], parts[2::2])}
@@ -76,7 +76,7 @@ def check_mco(verdict, path):
 
 
 def check_single_bins(verdict, folder):
-    """Axes of one bin stay axes."""
+    """Checks that axes with one bin stay axes."""
     path = os.path.join(folder, "single.mci")
     with open(path, "w", encoding="utf-8") as file:
         file.write("1.0\n1\nsingle.mco A\n100\n0.01 0.1\n4 1 2\nmap 3 1 0.1 0.1 angles volume\n1\n1\n1.4 1 100 0.9 0.1\n1\n")

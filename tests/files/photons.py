@@ -1,11 +1,12 @@
-"""Saved packets (P18): a file of rows against the tallies of the same packets, `trace`, adding-doubling, and itself.
+"""Tests saved packets (P18): rows of a file against the tallies of the same packets, `trace`, adding-doubling, and itself.
 
-- The weights of all rows are Rd, Tt and Rsp, in units of weight; re-binned, rows are Rd_ra, Rd_t, Rd_dir, what detectors have seen and its mean paths.
-- Rows at random are what `trace` tells of these packets: place, direction, weight, path and interactions by medium, largest depth, touches.
-- Rows with exp(-x l), l the path in the layer, give Rd and Tt of a slab that absorbs x more, which adding-doubling knows: |z| < 4.
-- Threads, ranks, a stop with --resume and --more leave the same bytes, but for the group `call`; a limit leaves the first rows.
-- The arrays are those of Python's read_photons. A row of a sweep has a file of its own, that of a run with --set.
-Statistic: exact, but for the third: errors from the spread of the rows, which takes packets for independent. Shares the packets; the third nothing."""
+- The weights of all rows add up to Rd, Tt and Rsp, in units of weight. Binned again, rows give Rd_ra, Rd_t, Rd_dir, and light and mean paths of detectors.
+- Rows drawn at random equal the answers of `trace`: place, direction, weight, path and interactions by medium, largest depth, touches.
+- Rows weighted by exp(-x l), l the path in the layer, give Rd and Tt of a slab that absorbs x more, by adding-doubling: |z| < 4.
+- Threads, ranks, a stop with --resume, and --more leave the same bytes, except for the group `call`. A limit leaves the first rows.
+- The arrays equal those of Python's read_photons. A row of a sweep has a file of its own, equal to that of a run with --set.
+Statistic: exact, except for the third test. Its errors come from the spread of the rows, which takes packets as independent. Shares with the
+program: the packets; the third test shares nothing."""
 import json
 import os
 import re
@@ -31,7 +32,7 @@ def scene(photons=N, saved='photons "exits"', extra=(), **more):
 
 
 def contents(path):
-    """All of a file that does not say how it was called."""
+    """Returns all content of a file except its group `call`."""
     with h5py.File(path) as file:
         told = {name: (file[name].dtype, file[name][()].tobytes(), dict(file[name].attrs)["long_name"]) for name in file if name != "call"}
         return told, {name: np.asarray(value).tobytes() for name, value in file.attrs.items()}
@@ -127,7 +128,7 @@ def same(verdict, what, one, other):
 
 
 def stopped(verdict, path, folder):
-    """A run that is asked to stop behind its next checkpoint, twice, and then flies to its end."""
+    """Starts a run, stops it twice after its next checkpoint, and then lets it finish."""
     def checkpoint():
         try:
             return os.stat(os.path.join(folder, "out.mco.checkpoint")).st_ino
@@ -182,7 +183,7 @@ def limits(verdict):
 
 
 def hashes(index):
-    """splitmix64's finaliser (Steele, Lea, Flood 2014)."""
+    """Hashes indices with splitmix64's finaliser (Steele, Lea, Flood 2014)."""
     z = index.astype(np.uint64)
     z = (z ^ z >> np.uint64(30)) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ z >> np.uint64(27)) * np.uint64(0x94D049BB133111EB)
@@ -190,7 +191,7 @@ def hashes(index):
 
 
 def several_beams(verdict, photons=10000, limit=2000):
-    """Under a limit a sample of all rows stays, also of beams with fewer photons than there are batches: they estimate what all rows say."""
+    """Checks that a limit keeps a fair sample of the rows of several beams, also of beams with fewer photons than batches."""
     pencils = [f"beam pencil at={0.001 * k},0 share={w}" for k, w in [(0, 3), (1, 0.01)]]
     beams = [*pencils, "beam pencil z=0.09 light=isotropic share=1", *(f"beam pencil z=0.09 at={k},0 light=isotropic share=0.01" for k in range(25))]
     order(verdict, limit, photons, ("more",), ["beam disk 0.1 share=3", beams[2]])
@@ -224,7 +225,7 @@ def detected(verdict):
 
 
 def swept(verdict):
-    """Row 2 has the packets of a run with --set."""
+    """Checks that row 2 of a sweep has the packets of a run with --set."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "scene.mci")
         with open(path, "w", encoding="utf-8") as file:

@@ -1,5 +1,7 @@
-"""The .h5, .vti and .vtp files of a run as h5py, xarray and VTK read them: the same numbers as in the .mco, the right
-places, units, errors and provenance. One scene with a mesh, cones and a plane, small enough to compare every value."""
+"""Tests the .h5, .vti and .vtp files of a run as h5py, xarray and VTK read them: numbers as in the .mco, and right places, units, errors and
+provenance.
+
+One scene with a mesh, cones and a plane is small enough to compare every value."""
 import os
 import sys
 import tempfile
@@ -25,13 +27,13 @@ def scene(name, letter):
 
 
 def close(a, b, tolerance=1e-6):
-    """float32 has 6e-8; what is nothing there is nothing here."""
+    """True if both arrays agree to float32's precision, 6e-8, times a margin. A zero on one side must be a zero on the other."""
     a, b = numpy.asarray(a, dtype=float), numpy.asarray(b, dtype=float)
     return a.shape == b.shape and bool(numpy.all(numpy.abs(a - b) <= tolerance * numpy.abs(b)))
 
 
 def check_tables(verdict, file, sections, record):
-    """Profiles and errors against the .mco, which rounds to four or five digits; totals against the JSON record."""
+    """Checks profiles and errors against the .mco, which rounds to four or five digits, and totals against the JSON record."""
     for name in ("A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a"):
         verdict.check(name, close(file[name], sections[name], 6e-5))
         verdict.check(name + "_se", close(file[name + "_se"], sections["se_" + name], 6e-5))
@@ -45,7 +47,8 @@ def check_tables(verdict, file, sections, record):
 
 
 def check_superblock(verdict, path):
-    """HDF5 File Format Specification, II.A, version 2: no flag says that somebody is writing, and it knows its size."""
+    """Checks the superblock by the HDF5 File Format Specification, II.A, version 2: no flag says that somebody is writing, and the size is that of
+    the file."""
     with open(path, "rb") as file:
         head = file.read(36)
     verdict.check("superblock", head[8] == 2 and head[11] == 0, f"version {head[8]}, flags {head[11]}")
@@ -103,7 +106,7 @@ def check_provenance(verdict, file, text):
         if name == "call":
             continue
         verdict.check(name, item.attrs["units"] and item.attrs["long_name"], "has units and a long name")
-        if item.shape and "CLASS" not in item.attrs:  # an axis has that
+        if item.shape and "CLASS" not in item.attrs:  # an axis has the attribute CLASS
             verdict.check(name, all(len(axis) == 1 for axis in item.dims), "has its axes")
 
 

@@ -1,4 +1,4 @@
-"""The manual builds without a warning, its navigation has every page, and each link, anchor and picture of the site is there.
+"""Tests that the manual builds without a warning, its navigation has every page, and every link, anchor and picture of the site exists.
 
 Skipped without MkDocs (sh samples/packages.sh test installs it)."""
 import html.parser
@@ -17,7 +17,7 @@ COMMAND = [sys.executable, "-m", "mkdocs", "build", "--strict", "-f", os.path.jo
 
 
 class Page(html.parser.HTMLParser):
-    """Ids of a page, and what it links to."""
+    """The ids of a page, and its links."""
 
     def __init__(self, text):
         super().__init__()
@@ -42,7 +42,7 @@ def read_site(folder):
 
 
 def broken(pages):
-    """Links that lead nowhere, each with its page."""
+    """Yields the links that lead nowhere, each with its page."""
     for path, page in sorted(pages.items()):
         for link in sorted(page.links):
             target, _, anchor = urllib.parse.unquote(link).partition("#")
@@ -56,7 +56,7 @@ def broken(pages):
 
 
 def check_the_check():
-    """A check that cannot fail is none."""
+    """Checks that `broken` finds broken links, because a check that cannot fail is none."""
     here = os.path.abspath(__file__)
     assert list(broken({here: Page('<a href="#a">x</a><p id="a"><img src="site.py">')})) == []
     for text in ('<a href="#b">x</a><p id="a">', '<img src="none.svg">', '<a href="none.html#a">'):

@@ -1,9 +1,8 @@
-"""Every output file survives kill -9: at any moment it is the old or the new complete file, byte by byte.
+"""Tests that every output file survives kill -9: at any moment it is the complete old file or the complete new file.
 
-A run over the results of another seed is killed as soon as one chosen file is being written (its .tmp is there), or some
-milliseconds later, for every file in turn. A .tmp that is left shows that the kill struck in the middle of a file; the
-test fails when fewer than three of the five files were struck so. Also: a write that fails (no space: a limit on the size
-of files) leaves the old files and says so."""
+A run over the results of another seed is killed when one chosen file is being written (its .tmp exists), or some milliseconds later, for every file
+in turn. A .tmp that is left shows that the kill came in the middle of a file. At least three of the five files must be hit so. A write that fails
+(a limit on the size of files) must leave the old files and report the error."""
 import glob
 import os
 import resource
@@ -23,7 +22,7 @@ SCENE = cml.mci(["1.4 1 10 0.5 0.2"], name="run.mco", photons=10000, bins="10 30
 
 
 def contents(keep):
-    """{suffix: bytes}; the line with the time of the .mco differs between runs and is cut out."""
+    """Returns {suffix: bytes} of all outputs. The line with the time is cut out of the .mco, because it differs between runs."""
     found = {}
     for suffix in SUFFIXES:
         with open(os.path.join(keep, "run" + suffix), "rb") as file:
@@ -41,7 +40,7 @@ def make(keep, seed):
 
 
 def kill_at(keep, suffix, delay):
-    """Runs seed 2 and kills it `delay` seconds after the file began. True when that left the file unfinished."""
+    """Runs seed 2 and kills it `delay` seconds after the file was begun. True if this left the file unfinished."""
     temporary = os.path.join(keep, "run" + suffix + ".*-*.tmp")
     process = subprocess.Popen(command(keep, 2))
     while process.poll() is None and not glob.glob(temporary):

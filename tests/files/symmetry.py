@@ -1,8 +1,8 @@
-"""A symmetric scene has a map that is symmetric to noise, an asymmetric one has not.
+"""Tests that a symmetric scene has a map that is symmetric within noise, and that an asymmetric scene has not.
 
-A hill of cones lit along its axis, and a wedge of clear gel on the same slab. Every pixel with at least 200 packets
-against its mirror images in x, in y and across the diagonal, by the pixels' own standard errors: for the hill the mean of
-z^2 is 1 (within 4 of its own standard deviations, level 6e-5), for the wedge mirrored in x it is far above. N = 1e6."""
+The scenes are a hill of cones lit along its axis, and a wedge of clear gel on the same slab. Every pixel with at least 200 packets is compared with
+its mirror images in x, in y and across the diagonal, by the pixels' own standard errors. For the hill, the mean of z^2 is 1 (within 4 of its own
+standard deviations, level 6e-5). For the wedge mirrored in x, it is far above. N = 1e6."""
 import os
 import sys
 import tempfile
@@ -12,7 +12,7 @@ import cml  # noqa: E402
 from fields import h5py, numpy  # noqa: E402
 
 MESH = os.path.join(os.path.dirname(cml.TESTS), "meshes", "wedge.obj")
-PHOTONS, PIXELS, SIZE = 1000000, 21, 0.05  # odd: light on the axis itself falls into a middle, not an edge
+PHOTONS, PIXELS, SIZE = 1000000, 21, 0.05  # the number is odd, so that light on the axis falls into the middle of a pixel, not on an edge
 
 
 def fly(surface, keep):
@@ -24,7 +24,7 @@ def fly(surface, keep):
 
 
 def compare(maps, name, mirror):
-    """z of every pair of pixels and its relative difference; a pair counts once."""
+    """Returns z of every pair of mirrored pixels and the relative difference. Each pair counts once."""
     a, s = maps[name], maps[name + "_se"]
     b, t = mirror(a), mirror(s)
     index = numpy.arange(a.size).reshape(a.shape)

@@ -1,7 +1,7 @@
-"""What README and the tutorial promise: README's scene gives the summary that stands below it, every command of the tutorial
-runs, its numbers are those of the files, and no beam of a scene meets a rough top at one point.
+"""Tests README and the tutorial: README's scene gives the summary below it, every command of the tutorial runs, and its numbers are those of the
+files. No beam of a scene meets a rough top at one point.
 
-Errors that the tutorial states, and what its numbers are worth by them, are judged with all packets only (long.tutorial)."""
+Standard errors that the tutorial states, and the significance of its numbers, are judged with all packets only (long.tutorial)."""
 import csv
 import json
 import math
@@ -18,11 +18,11 @@ import warm_python  # noqa: E402
 import svg_text  # noqa: E402
 from fields import h5py, numpy as np  # noqa: E402
 
-os.environ["PYTHONPATH"] = os.path.join(manual.TOP, "src", "python")  # as if the package were installed; long.pip installs it
+os.environ["PYTHONPATH"] = os.path.join(manual.TOP, "src", "python")  # the package counts as installed; long.pip really installs it
 sys.path.insert(0, os.environ["PYTHONPATH"])
-SCENE = "samples/two_runs.mci"  # which README explains
+SCENE = "samples/two_runs.mci"  # the scene that README explains
 TOP, WHOLE, read = manual.TOP, manual.WHOLE, manual.read
-MOST_ERRORS = 2 if WHOLE else 5  # so far a number of the text may be off, beyond its rounding: another seed must not make it false
+MOST_ERRORS = 2 if WHOLE else 5  # standard errors by which a number of the text may be off, beyond its rounding, so that another seed does not make it false
 
 
 def run(command, folder, text=None):
@@ -31,7 +31,7 @@ def run(command, folder, text=None):
 
 
 def science(scene):
-    """The numbers of a scene: no comments but those that are ours, no blank lines."""
+    """Returns the lines of a scene with numbers. Comments are removed except lines after #@, and blank lines."""
     lines = (re.sub(r"#(?!@).*", "", line) for line in scene.splitlines())
     return [" ".join(line.split()) for line in lines if line.strip()]
 
@@ -48,7 +48,7 @@ def check_readme(verdict, folder):
 
 
 def check_tutorial(verdict, folder):
-    """All pages in one folder, as a later page may build on an earlier one."""
+    """Runs all pages of the tutorial in one folder, because a later page may build on an earlier one."""
     manual.make_tree(folder)
     here = manual.make_folder(folder, "tutorial")
     for name in (name for name in manual.pages() if name.startswith("tutorial/")):
@@ -62,7 +62,7 @@ def check_tutorial(verdict, folder):
 
 
 def total(path, key):
-    """(value, standard error) of a total of an .mco."""
+    """Returns (value, standard error) of a total in an .mco."""
     sections, i = cml.read_sections(path), ("Rsp", "Rd", "A", "Tt").index(key)
     return sections["RAT"][i], sections["se_RAT"][i]
 
@@ -73,7 +73,7 @@ def change(a, b, key):
 
 
 def row_of(table, **cells):
-    """Rsp and its error in the row of a sweep with these cells."""
+    """Returns Rsp and its error in the row of a sweep that has these cells."""
     with open(table, encoding="utf-8") as file:
         row = next(row for row in csv.DictReader(file) if all(float(row[k.replace("_", ".")]) == v for k, v in cells.items()))
     return float(row["Rsp"]), float(row["Rsp_se"])
@@ -85,13 +85,13 @@ def map_of(path, name):
 
 
 def pixel_error(path, pixels):
-    """Mean relative error of these pixels."""
+    """Returns the mean relative error of some pixels of Rd_xy."""
     values, errors, _ = map_of(path, "Rd_xy")
     return float((errors / values)[pixels].mean())
 
 
 def furrows_ratio():
-    """Rd_xy where the furrows face the light over that where they turn away, and its error, as chapter 5 chooses them."""
+    """Returns the ratio of Rd_xy where the furrows face the light to Rd_xy where they turn away, with its error. Pixels are chosen as in chapter 5."""
     values, errors, x = map_of("furrows.h5", "Rd_xy")
     heights = 100 * np.fromfile(os.path.join(TOP, "meshes/furrows.gsf"), "<f4")[-64 * 64:].reshape(64, 64)[::-1]
     at = (np.arange(64) - 31.5) * 0.0025
@@ -104,13 +104,13 @@ def furrows_ratio():
 
 
 def over(first, second):
-    """The ratio of two (value, error), and its error."""
+    """Returns the ratio of two (value, error), with its error."""
     ratio = first[0] / second[0]
     return ratio, ratio * math.hypot(first[1] / first[0], second[1] / second[0])
 
 
 def ring(path, first, last):
-    """Light that leaves in the bins first <= i < last of r, times a constant, and its error."""
+    """Returns the light that leaves in the bins first <= i < last of r, times a constant, with its error."""
     sections = cml.read_sections(path)
     weights = [2 * i + 1 for i in range(first, last)]
     return (sum(w * v for w, v in zip(weights, sections["Rd_r"][first:last])),
@@ -122,7 +122,7 @@ def mean_of(values, errors, chosen):
 
 
 def bars_contrast():
-    """Brightness of two lit bars over that of two dark ones in the middle of bars.h5, and the mean relative error of their pixels."""
+    """Returns the brightness of two lit bars over that of two dark bars in the middle of bars.h5, and the mean relative error of their pixels."""
     values, errors, x = map_of("bars.h5", "Rd_xy")
     middle = np.abs(0.025 * (np.arange(12) - 5.5))[:, None] < 0.05
     lit, dark = (middle & (np.abs(x) < 0.1) & (np.floor(x / 0.05) % 2 == parity) for parity in (0, 1))
@@ -130,7 +130,7 @@ def bars_contrast():
 
 
 def camera_shade():
-    """Brightness of the shaded side of the hill over that of the level ground in camera.h5, and the median relative error of a pixel."""
+    """Returns the brightness of the hill's shaded side over that of level ground in camera.h5, and the median relative error of a pixel."""
     with h5py.File("camera.h5") as file:
         values, errors, x, y = (file["detector_cam_" + name][:] for name in ("map", "map_se", "x", "y"))
     x, y = np.meshgrid(x, y)
@@ -139,7 +139,7 @@ def camera_shade():
 
 
 def tutorial_numbers():
-    """(what the text says, the numbers that its groups must be, with what they may be off by). Files are in the folder."""
+    """Yields (text of the tutorial, numbers of its groups with their allowed errors). The files are in the current folder."""
     lower, higher = change("rough.mco", "level.mco", "A"), change("level.mco", "rough.mco", "Rd")
     yield (r"A is lower by (\S+) \+- (\S+), (\S+) % of it, Rd higher by (\S+) \+- (\S+);",
            (lower, (lower[1], 0), (100 * lower[0] / total("level.mco", "A")[0], 100 * lower[1]), higher, (higher[1], 0)))
@@ -199,14 +199,14 @@ def tutorial_numbers():
 
 
 def measured_points():
-    """[(value, error, the long run's value)] of the points that stand for measurements in chapter 4."""
+    """Returns [(value, error, value of the long run)] of the points that stand for measurements in chapter 4."""
     curve = cml.read_sections("flat.mco")["Rd_r"]
     with open("measured.csv", encoding="utf-8") as file:
         return [(float(row["Rd_r"]), float(row["Rd_r_se"]), curve[int(float(row["r_mid_cm"]) / 0.01)]) for row in csv.DictReader(file)]
 
 
 def objects(*words):
-    """What a command prints with --json, of every run."""
+    """Returns the objects that a command prints with --json, one for every run."""
     return [json.loads(line) for line in run([cml.PROGRAM, *words, "--json"], ".")[1].splitlines()]
 
 
@@ -215,7 +215,7 @@ def flat_rsp(scene):
 
 
 def thin_loss():
-    """Transmittance of the last row of chapter 9 with the dermis of chapter 1, without photons."""
+    """Returns the transmittance of the last row of chapter 9 with the dermis of chapter 1, by adding-doubling."""
     with open("skin.csv", encoding="utf-8") as file:
         names, *_, last = csv.reader(file, skipinitialspace=True)
     cells = [word for name, value in zip(names, last) if "." in name for word in ("--set", f"{name}={value}")]
@@ -228,14 +228,14 @@ def agrees(said, value, error):
 
 
 def check_numbers(verdict, folder):
-    """What the tutorial says of results, against the results that its commands have left, and whether it is more than noise."""
+    """Checks the numbers of the tutorial against the results that its commands have left, and that they are more than noise."""
     os.chdir(folder)
     text = " ".join(" ".join(manual.page(name) for name in manual.pages() if name.startswith("tutorial/")).split())
     for pattern, numbers in tutorial_numbers():
         said = re.search(pattern, text)
         verdict.check("tutorial", said, f"has no words like {pattern}")
         for word, (value, error) in zip(said.groups() if said else (), numbers):
-            if not error and not WHOLE:  # an error, or exact
+            if not error and not WHOLE:  # the number is an error, or exact
                 continue
             verdict.check("tutorial", agrees(word, value, error), f"says {word}, files {value:.6g} +- {error:.2g}: {said[0]}")
     if WHOLE:
@@ -258,7 +258,7 @@ def check_significance(verdict):
 
 
 def check_beams(verdict, folder):
-    """A pencil meets one point of a mesh: no scene of the samples or the tutorial has one on its top."""
+    """Checks that no scene of the samples or the tutorial has a pencil on a mesh at its top, because a pencil meets one point of the mesh."""
     scenes = [os.path.join(where, name) for where in (folder, os.path.join(TOP, "samples")) for name in os.listdir(where)]
     for scene in sorted(name for name in scenes if name.endswith(".mci")):
         status, output = run([cml.PROGRAM, "check", scene, "--json"], folder)
@@ -269,7 +269,7 @@ def check_beams(verdict, folder):
 
 
 def check_pictures(verdict, folder):
-    """Can be read, on a dark page, too."""
+    """Checks that pictures can be read, also on a dark page."""
     for name in sorted(name for name in os.listdir(folder) if name.endswith(".svg")):
         faults, texts = svg_text.faults_of(svg_text.tree.parse(os.path.join(folder, name)).getroot())
         verdict.check(name, texts > 0 and not faults, "; ".join(faults))

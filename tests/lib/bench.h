@@ -1,4 +1,5 @@
-/* One scene with its surfaces and options, the engines that fly it, and their tallies compared.
+/* One scene with its surfaces and options, the engines that simulate it, and the comparison of their
+ * tallies.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -11,13 +12,13 @@
 #include <string.h>
 
 struct bench {
-    struct cml_scene_list list; /* its first scene is flown */
+    struct cml_scene_list list; /* the first scene of the list is simulated */
     struct cml_surface_set surfaces;
     struct cml_engine_options options;
 };
 
-/* On one thread. Roulette begins at a higher weight than by default, so that few photons suffice to see it.
- */
+/* Returns options for one thread. Roulette begins at a higher weight than by default, so that it happens
+ * with few photons. */
 static inline struct cml_engine_options bench_options(uint64_t seed)
 {
     return (struct cml_engine_options){.seed = seed,
@@ -34,7 +35,7 @@ static inline void tear_down(struct bench *bench)
     cml_scene_list_clear(&bench->list);
 }
 
-/* To be closed with engine->close. */
+/* Opens an engine for the scene. The caller closes it with engine->close. */
 static inline void *open_engine(const struct bench *bench, const struct cml_engine *engine)
 {
     struct cml_error err;
@@ -52,16 +53,16 @@ static inline struct cml_tally empty_tally(const struct bench *bench)
     return tally;
 }
 
-/* what: named in the message. */
+/* Fails the test if two tallies differ. what: name of the pair in the message. */
 static inline void expect_same(const struct cml_tally *a, const struct cml_tally *b, const char *what)
 {
     if (memcmp(a->balance, b->balance, sizeof a->balance) != 0) fail_msg("%s: another weight balance", what);
     if (memcmp(a->count, b->count, sizeof a->count) != 0) fail_msg("%s: other counts", what);
-    /* one block holds all cells */
+    /* one block of memory holds all cells */
     if (memcmp(a->A_l, b->A_l, (size_t)cml_tally_bytes(&a->grid)) != 0) fail_msg("%s: other cells", what);
 }
 
-/* The weight balance of a tally, through a result of one batch. */
+/* Checks the weight balance of a tally, through a result of one batch. */
 static inline void assert_weight_balances(struct cml_tally *tally, uint64_t photons)
 {
     struct cml_error err;

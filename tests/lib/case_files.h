@@ -1,4 +1,5 @@
-/* A directory of a test's own, files in it, and messages without its name. SPDX-License-Identifier: MIT */
+/* A directory of a test's own, files in it, and messages without its name.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -15,7 +16,7 @@
 
 #include <cmocka.h>
 
-/* cmocka state: the directory's name. */
+/* Makes the directory of a test. *state: its name. */
 static inline int case_setup(void **state)
 {
     char *directory = strdup("/tmp/cml_case_XXXXXX");
@@ -25,7 +26,7 @@ static inline int case_setup(void **state)
 
 static inline int case_teardown(void **state)
 {
-    const int failed = rmdir(*state); /* fails when a test left a file behind */
+    const int failed = rmdir(*state); /* fails if a test left a file in the directory */
     free(*state);
     return failed;
 }
@@ -35,7 +36,7 @@ static inline void case_path(void **state, const char *name, char path[256])
     snprintf(path, 256, "%s/%s", (const char *)*state, name);
 }
 
-/* The same in a buffer that the next call uses again. */
+/* Returns the path of `name` in the directory of the test, in a buffer that the next call reuses. */
 static inline char *case_in_directory(void **state, const char *name)
 {
     static char path[256];
@@ -43,7 +44,7 @@ static inline char *case_in_directory(void **state, const char *name)
     return path;
 }
 
-/* The message must be "PATH: ENDING". */
+/* Checks the status, and that the message is "PATH: ENDING". */
 static inline void case_assert_fails_for(void **state, const struct cml_error *err, cml_status status,
                                          const char *name, const char *ending)
 {
@@ -68,7 +69,7 @@ static inline void case_write(void **state, const char *name, const char *text)
     case_write_bytes(state, name, text, strlen(text));
 }
 
-/* The whole file is the text `expected`. */
+/* Checks that the whole file is the text `expected`. */
 static inline void case_assert_holds(void **state, const char *name, const char *expected)
 {
     static char bytes[1 << 18];

@@ -1,5 +1,5 @@
-# What the tests of the command line share. Source it with the source directory as the current one; $program is the
-# program, $work an empty directory that goes when the test ends.
+# Parts that the tests of the command line share. Source this file with the source directory as the current one.
+# $program is the program, $work an empty directory that vanishes when the test ends.
 # SPDX-License-Identifier: MIT
 set -u
 program=${CLUSTERMCML:-$PWD/build/clustermcml}
@@ -12,7 +12,7 @@ complain() { # TEXT
     failures=$((failures + 1))
 }
 
-# Runs the program; its exit code must be CODE. Output goes to $work/out and $work/err.
+# Runs the program and checks that its exit code is CODE. Output goes to $work/out and $work/err.
 expect_code() { # CODE ARGUMENTS...
     wanted=$1
     shift
@@ -21,7 +21,7 @@ expect_code() { # CODE ARGUMENTS...
     test "$code" -eq "$wanted" || complain "clustermcml $*: exit $code, not $wanted: $(cat "$work/err")"
 }
 
-# The same, and the whole of standard error must be "clustermcml: MESSAGE".
+# Runs the program and checks that its exit code is CODE, and that standard error is exactly "clustermcml: MESSAGE".
 expect_error() { # CODE MESSAGE ARGUMENTS...
     wanted=$1
     message=$2
@@ -31,8 +31,8 @@ expect_error() { # CODE MESSAGE ARGUMENTS...
     test ! -s "$work/out" || complain "clustermcml $*: wrote to standard output"
 }
 
-# Commands in Python are done from here on in children of one process, which has its libraries already (warm_python.py says
-# more); $cold_python is the one that starts anew. Skips the test where libraries are missing.
+# From here on, Python commands run in children of one process that has its libraries already (see warm_python.py).
+# $cold_python is a Python that starts anew. Skips the test if libraries are missing.
 warm_python() {
     cold_python=${CLUSTERMCML_PYTHON:-/usr/bin/python3}
     warm=$(mktemp -d)
@@ -48,7 +48,7 @@ warm_python() {
     export CLUSTERMCML_PYTHON="$warm/python"
 }
 
-# Pictures in $work must have no two texts at one place.
+# Checks that no two texts overlap in the pictures of $work.
 check_texts() {
     set --
     for picture in "$work"/*.svg; do
@@ -61,7 +61,7 @@ finish() {
     test "$failures" -eq 0 || exit 1
 }
 
-# An .mco file, and behind it as sections, errors as se_NAME, what only the .h5 beside it has.
+# Prints an .mco file, and after it, as sections, the arrays that only the .h5 beside it has. Errors are se_NAME.
 whole() { # FILE
     "${CLUSTERMCML_PYTHON:-/usr/bin/python3}" -B tests/lib/cml.py "$1"
 }

@@ -1,5 +1,5 @@
-# What the tests of several ranks share, beside lib/cli.sh. ranks N ARGUMENTS... runs the program on N ranks, which
-# may be more than there are cores.
+# Parts that the tests of several ranks share, beside lib/cli.sh. `ranks N ARGUMENTS...` runs the program on N ranks,
+# which may be more than there are cores.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 command -v mpiexec >/dev/null || { echo "mpiexec is missing"; exit 77; }
@@ -13,7 +13,8 @@ ranks() { # N ARGUMENTS...
     mpiexec -n "$number" $mpi_options "$program" "$@"
 }
 
-# The exit code of N ranks must be CODE, and the program must have said exactly one line, "clustermcml: MESSAGE".
+# Runs N ranks and checks that the exit code is CODE, and that the program said exactly one line, "clustermcml:
+# MESSAGE".
 expect_ranks_error() { # N CODE MESSAGE ARGUMENTS...
     number=$1 wanted=$2 message=$3
     shift 3
@@ -23,7 +24,7 @@ expect_ranks_error() { # N CODE MESSAGE ARGUMENTS...
     test "$(grep '^clustermcml' "$work/err")" = "clustermcml: $message" || complain "$number ranks, $*: $(cat "$work/err")"
 }
 
-# All of an .mco file but its line of time.
+# Prints a hash of an .mco file without its line of time.
 bits() { # FILE
     grep -av '^# User time' "$1" | sha256sum
 }

@@ -1,7 +1,7 @@
-"""What the statistical tests share: running the program, reading .mco files, z-scores with Sidak limits.
+"""Parts that all statistical tests share: running the program, reading .mco files, z-scores with limits by Sidak.
 
-Every test states N, statistic and level, uses a fixed seed, and prints the offending bins when it fails.
-The program is found in the environment variable CLUSTERMCML. Standard library only.
+Every test states N, statistic and level, uses a fixed seed, and prints the offending bins when it fails. The environment variable CLUSTERMCML names
+the program. Only the standard library is needed.
 """
 import functools
 import json
@@ -19,19 +19,19 @@ SAMPLES = os.path.join(os.path.dirname(TESTS), "samples")
 
 
 def repeats(count):
-    """How many of `count` packets are flown: all where the environment has ALL_CASES (ctest -L long), else one in four."""
+    """Returns the number of packets to simulate out of `count`: all if the environment has ALL_CASES (ctest -L long), else a quarter."""
     return count if "ALL_CASES" in os.environ else count // 4
 
 
 def sidak_limit(tests, level=1e-4):
-    """|z| above which `tests` independent normal deviates go at most with probability `level`."""
+    """Returns the |z| that the largest of `tests` independent normal deviates exceeds with probability `level`."""
     each = -math.expm1(math.log1p(-level) / tests)
     return statistics.NormalDist().inv_cdf(1 - each / 2)
 
 
 def mci(layers, name="out.mco", photons=1000, grid="0.01 0.01", bins="10 10 1", n_above=1.0, n_below=1.0, surfaces=None,
         extra=()):
-    """An .mci file's text. layers: strings 'n mua mus g d' (slashes allowed); surfaces: {boundary: b or m line}."""
+    """Returns the text of an .mci file. layers: strings 'n mua mus g d' (slashes allowed); surfaces: {boundary: b or m line}."""
     surfaces = surfaces or {}
     lines = ["1.0", "1", f"{name} A", f"{photons}", *extra, grid, bins, str(len(layers)), str(n_above)]
     for i, layer in enumerate(layers):
@@ -44,7 +44,7 @@ def mci(layers, name="out.mco", photons=1000, grid="0.01 0.01", bins="10 10 1", 
 
 
 def repeated(runs, layers, name="run", kind=".mco", **scene):
-    """An .mci file's text with that scene `runs` times, named run0.mco, run1.mco ...; each has random numbers of its own."""
+    """Returns the text of an .mci file that has the scene `runs` times, named run0.mco, run1.mco ... Each run has random numbers of its own."""
     text = ["1.0", str(runs)]
     for i in range(runs):
         text.append("\n".join(mci(layers, name=f"{name}{i}{kind}", **scene).split("\n")[2:]))
@@ -67,7 +67,7 @@ def run(text, *options, keep=None):
 
 
 def exact(text, *options):
-    """The record of `exact` of the text of an .mci file."""
+    """Returns the record that `exact` prints for the text of an .mci file."""
     with tempfile.TemporaryDirectory() as scratch:
         path = os.path.join(scratch, "scene.mci")
         with open(path, "w", encoding="utf-8") as file:
@@ -86,21 +86,22 @@ for path in iter(sys.stdin.readline, ""):
 
 @functools.lru_cache(maxsize=None)
 def h5_reader():
-    """A Python that has h5py, which this one need not have. It lives as long as the test: to start takes longer than to read."""
+    """Returns a process of a Python that has h5py, which the Python of this test may lack. The process lives as long as the test, because starting
+    takes longer than reading."""
     python = os.environ.get("CLUSTERMCML_PYTHON", "/usr/bin/python3")
     return subprocess.Popen([python, "-c", READS_H5], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
 
 def read_h5(path):
-    """Arrays of an .h5 file as flat lists: {name: [values]}."""
+    """Reads an .h5 file. Returns its arrays as flat lists: {name: [values]}."""
     reader = h5_reader()
     print(json.dumps(path), file=reader.stdin, flush=True)
     return json.loads(reader.stdout.readline())
 
 
 def read_sections(path):
-    """The one-number-per-line sections of an .mco file, and of the .h5 beside it what the .mco has no place for: {key: [values]}. The
-    standard errors of X are se_X."""
+    """Reads the sections of an .mco file that have one number per line, and arrays that only the .h5 beside it has: {key: [values]}. Errors of X
+    are se_X."""
     sections, key, more = {}, None, False
     with open(path, encoding="utf-8") as file:
         for line in file:
@@ -114,7 +115,7 @@ def read_sections(path):
             elif key:
                 sections[key].append(float(word[0]))
     beside = read_h5(os.path.splitext(path)[0] + ".h5") if more else {}
-    for total in ("Rsp", "Rd", "A", "Tt"):  # sections RAT and se_RAT have these
+    for total in ("Rsp", "Rd", "A", "Tt"):  # sections RAT and se_RAT hold these totals
         beside.pop(total, None), beside.pop(total + "_se", None)
     for name, values in beside.items():
         sections.setdefault("se_" + name[:-3] if name.endswith("_se") else name, values)
@@ -151,8 +152,8 @@ class Verdict:
 
 
 def total_error(record, key, truth):
-    """Standard error of a total. Where few packets arrive, the measured one is no estimate; the bound
-    E[w^2] <= E[w] for weights up to 1 takes its place."""
+    """Returns the standard error of a total. If few packets arrive, the measured error is no estimate, and the bound E[w^2] <= E[w] for weights up
+    to 1 is used."""
     photons = record["photons"]
     if truth * photons > 1000:
         return record[key + "_se"]
@@ -160,12 +161,12 @@ def total_error(record, key, truth):
 
 
 def check_balance(verdict, name, record):
-    """P9, P10: nothing lost, the weight balances exactly."""
+    """Checks rules P9 and P10: no packet is lost, and the weight balances exactly."""
     verdict.check(name, record["lost"] == 0, f"lost {record['lost']}")
     verdict.check(name, record["residue"] == 0, f"residue {record['residue']}")
 
 
-if __name__ == "__main__":  # for scripts: an .mco file, and behind it as sections what only the .h5 beside it has
+if __name__ == "__main__":  # for scripts: prints an .mco file, and after it, as sections, the arrays that only the .h5 beside it has
     with open(sys.argv[1], encoding="utf-8") as whole:
         text = whole.read()
     print(text)

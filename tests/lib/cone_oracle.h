@@ -1,6 +1,9 @@
-/* A revolved heightfield and the oracle for rays against it: in long double, without a quadratic. The ray is
- * cut at the cylinders; in each span the height above the surface is convex or concave, so its least value is
- * at an end or at the one point where it has no slope; the first crossing is then bisected.
+/* A radial heightfield, and an oracle for the first crossing of a ray with it: in long double, and without
+ * solving a quadratic.
+ *
+ * The ray is cut at the cylinders of the rings. In each span the height above the surface is convex or
+ * concave, so that its least value lies at an end, or at the one point where its slope is zero. The first
+ * crossing is then found by bisection.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -12,7 +15,7 @@
 struct field {
     real r[MAX_RINGS], z[MAX_RINGS], slope[MAX_RINGS], parts_per_cm;
     int n, start[MAX_RINGS];
-    double steepest, deepest; /* largest |slope|, |z| */
+    double steepest, deepest; /* largest |slope|, and largest |z| */
 };
 
 static inline struct cml_rings rings_of(const struct field *field)
@@ -22,7 +25,7 @@ static inline struct cml_rings rings_of(const struct field *field)
     return rings;
 }
 
-/* Slopes and parts from the samples, as the engines make them. */
+/* Computes slopes and parts from the samples, as the engines do. */
 static inline void field_finish(struct field *field)
 {
     field->parts_per_cm = cml_ring_starts(field->r, field->n, field->start);
@@ -46,7 +49,7 @@ static inline struct field field_of(int n, const double *r, const double *z)
     return field;
 }
 
-/* 3 to 60 rings, spacings over two decades, slopes up to `steep`, some rings flat. */
+/* Returns a random field: 3 to 60 rings, spacings over two decades, slopes up to `steep`, some rings flat. */
 static inline struct field field_random(struct dice *dice, double steep)
 {
     struct field field = {.n = 3 + dice_below(dice, 58)};
@@ -79,7 +82,7 @@ static inline long double field_depth(const struct field *field, long double r)
 }
 
 struct ray {
-    long double p[3], u[3], a, b, c, k; /* as in struct cml_cone_ray */
+    long double p[3], u[3], a, b, c, k; /* names as in struct cml_cone_ray */
     double side;
 };
 
@@ -98,7 +101,7 @@ static inline long double ray_radius(const struct ray *ray, long double t)
     return hypotl(ray->p[0] + t * ray->u[0], ray->p[1] + t * ray->u[1]);
 }
 
-/* side * f: positive on the packet's own side. */
+/* Returns the height of the ray above the surface, positive on the packet's own side. */
 static inline long double ray_height(const struct field *field, const struct ray *ray, long double t)
 {
     return ray->side * (ray->p[2] + t * ray->u[2] - field_depth(field, ray_radius(ray, t)));
@@ -110,7 +113,8 @@ static inline int compare_times(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Ends of the spans in [0, t_max], and in each the point without slope when it has one. Returns how many. */
+/* Writes the ends of the spans in [0, t_max], and the point of zero slope in each span that has one. Returns
+ * their number. */
 static inline int ray_stations(const struct field *field, const struct ray *ray, long double t_max,
                                long double station[])
 {
@@ -123,7 +127,7 @@ static inline int ray_stations(const struct field *field, const struct ray *ray,
         const long double root = sqrtl(fmaxl(square, 0));
         station[n++] = (-ray->b - root) / ray->a;
         station[n++] = (-ray->b + root) / ray->a;
-        /* m r'(t) = uz, where a r^2 = s^2 + k^2 and r' = s / r with s = b + a t */
+        /* zero slope: m r'(t) = uz, where a r^2 = s^2 + k^2 and r' = s / r with s = b + a t */
         const long double q = field->slope[i] != 0 ? ray->u[2] / (long double)field->slope[i] : 0;
         if (q * q >= ray->a) continue;
         station[n++] = (q * fabsl(ray->k) / sqrtl(ray->a - q * q) - ray->b) / ray->a;
@@ -135,8 +139,8 @@ static inline int ray_stations(const struct field *field, const struct ray *ray,
     return kept;
 }
 
-/* The first t in [0, t_max] at which the ray is below the level on its own side; INFINITY: never. t_max must
- * be finite. */
+/* Returns the first t in [0, t_max] at which the ray is below the level on its own side, or INFINITY. t_max
+ * must be finite. */
 static inline long double ray_first_below(const struct field *field, const struct ray *ray, long double level,
                                           const long double station[], int n)
 {
@@ -156,7 +160,8 @@ static inline long double ray_first_below(const struct field *field, const struc
     return INFINITY;
 }
 
-/* Beyond this distance the ray is over the outer plane for good and either far above it or far below. */
+/* Returns a distance beyond which the ray stays over the outer plane, and is either far above it or far
+ * below it. */
 static inline double ray_end(const struct field *field, const struct ray *ray, double t_max)
 {
     const double size =
@@ -167,7 +172,7 @@ static inline double ray_end(const struct field *field, const struct ray *ray, d
     return fmin(end, t_max);
 }
 
-/* What rounding may do to a height at distance t. */
+/* Returns a bound of the rounding error of a height at distance t. */
 static inline double ray_rounding(const struct field *field, const struct ray *ray, double t)
 {
     const double size = (double)sqrtl(ray->c) + fabs((double)ray->p[2]) + field->deepest + t;

@@ -1,5 +1,6 @@
-/* What the tests of the numerics share: random numbers from the program's own generator, and the p-value of a
- * chi-square. Every sequence is fixed by its seed, so a test passes or fails for ever.
+/* Parts that the tests of the numerics share: random numbers from the program's own generator, and the
+ * p-value of a chi-square. Every sequence is fixed by its seed, so that a test always passes or always
+ * fails.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -36,7 +37,7 @@ static inline uint32_t dice_word(struct dice *dice)
     return cml_threefry(dice->stream, (uint32_t)(roll >> 2), (uint32_t)(roll >> 34), 0, 0).w[roll & 3];
 }
 
-/* In (0, 1), 53 bits. */
+/* Returns a uniform number in (0, 1) with 53 bits. */
 static inline double dice_uniform(struct dice *dice)
 {
     const uint64_t high = dice_word(dice), low = dice_word(dice);
@@ -53,7 +54,7 @@ static inline int dice_below(struct dice *dice, int n)
     return (int)((uint64_t)dice_word(dice) * (uint64_t)n >> 32);
 }
 
-/* A direction uniform over the sphere. */
+/* Writes a direction that is uniform over the sphere. */
 static inline void dice_direction(struct dice *dice, double u[3])
 {
     const double z = dice_between(dice, -1, 1), phi = dice_between(dice, 0, 6.283185307179586);
@@ -63,7 +64,7 @@ static inline void dice_direction(struct dice *dice, double u[3])
     u[2] = z;
 }
 
-/* Chi-square of counts against expected numbers. */
+/* Returns the chi-square of counts against expected numbers. */
 static inline double chi_square(const long *count, const double *expected, int n)
 {
     double sum = 0;
@@ -72,7 +73,7 @@ static inline double chi_square(const long *count, const double *expected, int n
     return sum;
 }
 
-/* Probability of a chi-square above the value (Wilson and Hilferty's normal approximation). */
+/* Returns the probability of a chi-square above the value (Wilson and Hilferty's normal approximation). */
 static inline double chi_square_p(double value, int freedom)
 {
     const double k = 2.0 / (9.0 * freedom);
@@ -80,7 +81,7 @@ static inline double chi_square_p(double value, int freedom)
     return 0.5 * erfc(z / sqrt(2.0));
 }
 
-/* Fails when the counts fit at less than 1e-4, or better than chance lets them. */
+/* Fails the test if the counts fit with p < 1e-4, or fit better than chance allows. */
 static inline void assert_fits(const char *what, const long *count, const double *expected, int n)
 {
     const double p = chi_square_p(chi_square(count, expected, n), n - 1);
@@ -96,15 +97,15 @@ static inline void assert_flat(const char *what, const long *count, int n)
     assert_fits(what, count, expected, n);
 }
 
-/* |value - wanted| <= tolerance, with the numbers in the message. */
+/* Checks |value - wanted| <= tolerance, with the numbers in the message. */
 static inline void assert_near(const char *what, double value, double wanted, double tolerance)
 {
     if (!(fabs(value - wanted) <= tolerance))
         fail_msg("%s: %.17g, wanted %.17g within %g", what, value, wanted, tolerance);
 }
 
-/* Damages a copy of a file: up to 3 times, one in `odds` cuts it, the others change a byte. Returns its size.
- */
+/* Damages a copy of a file with up to 3 edits: one edit in `odds` cuts the file, the others change a byte.
+ * Returns the new size. */
 static inline size_t dice_damage(struct dice *dice, char *bytes, size_t size, int odds)
 {
     for (int edits = dice_below(dice, 4); edits > 0; edits--) {

@@ -1,5 +1,6 @@
-"""drawn_arrays.py FILE.h5: plot draws arrays, and what it draws are the numbers of the file. One array of each set of axes is
-drawn, and every array where the environment has ALL_CASES.
+"""Tests that `plot` draws the numbers of a file: drawn_arrays.py FILE.h5. One array of each set of axes is drawn, or every array if the environment
+has ALL_CASES.
+
 SPDX-License-Identifier: MIT
 """
 import os
@@ -14,7 +15,8 @@ plot.save = lambda figure, path: figures.append(figure)
 
 
 def shown(array):
-    """What is left of an array: maps and voxels are cut, bins of what lies beyond left out, r points to the right."""
+    """Returns the part of an array that `plot` draws. Maps and voxels are cut, bins of light beyond the grid are left out, and r points to the
+    right."""
     if "z_volume" in array.dims:
         array = array.sel(y=0, method="nearest")
     elif array.ndim == 3:
@@ -35,7 +37,7 @@ for name, array in read(path).data_vars.items():
     axes, numbers = figures.pop().axes[0], shown(array)
     if str(array.dims[0]).endswith("facet") or array.dims == ("theta", "phi"):
         assert axes.collections, name
-        if name == "boundary0_irradiance_above":  # a cone, whose facets have one number: light from one side tells them apart
+        if name == "boundary0_irradiance_above":  # facets of a cone have equal numbers; only the light from one side tells them apart
             assert len(np.unique(axes.collections[0].get_facecolor(), axis=0)) > 2 * len(np.unique(array)), name
     else:
         found = np.asarray(axes.images[0].get_array()) if numbers.ndim == 2 else axes.lines[0].get_ydata()

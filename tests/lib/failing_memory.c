@@ -1,6 +1,8 @@
-/* Memory that runs out at one place: linked with --wrap for malloc, calloc and realloc, so that only what the
- * program itself asks for is counted, and nothing of its libraries. FAIL_ALLOCATION=N makes the N-th request
- * fail, the first one being 1, and no other; 0 makes none fail and prints their number when the program ends.
+/* Makes one request for memory fail. The program is linked with --wrap for malloc, calloc and realloc, so
+ * that only its own requests count, and none of its libraries.
+ *
+ * FAIL_ALLOCATION=N lets the N-th request fail (from 1), and no other. FAIL_ALLOCATION=0 lets none fail, and
+ * prints their number when the program ends.
  * SPDX-License-Identifier: MIT */
 #include <stdatomic.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
-"""What the tests of .h5, .vti and .vtp files share: the readers, which are Debian packages, and reading itself.
+"""Parts that the tests of .h5, .vti and .vtp files share: readers of these files, which need Debian packages.
 
-Where they are missing the test is skipped, with a word; samples/packages.sh test installs them."""
+If a package is missing, the test is skipped with a message; samples/packages.sh test installs the packages."""
 import os
 import subprocess
 import sys
@@ -21,7 +21,7 @@ __all__ = ["h5py", "numpy", "vtk", "xarray", "fly_twice", "read_vtk", "arrays_of
 
 
 def fly_twice(scene, photons):
-    """The text of a scene, flown in the current folder with the seeds 1 and 2 into the folders 1 and 2; photons: of both."""
+    """Runs a scene in the current folder with the seeds 1 and 2 into the folders 1 and 2. photons: numbers for both runs."""
     with open("maps.mci", "w", encoding="utf-8") as file:
         file.write(scene)
     for seed, count in zip("12", photons):
@@ -30,7 +30,7 @@ def fly_twice(scene, photons):
 
 
 def read_vtk(path):
-    """The data set of a .vti or .vtp file; VTK's own complaints are errors."""
+    """Returns the data set of a .vti or .vtp file. VTK's own complaints count as errors."""
     reader = vtk.vtkXMLImageDataReader() if path.endswith(".vti") else vtk.vtkXMLPolyDataReader()
     complaints = []
     reader.AddObserver("ErrorEvent", lambda *_: complaints.append("error"))
@@ -45,6 +45,6 @@ def read_vtk(path):
 
 
 def arrays_of(data):
-    """{name: numpy array} of the cell data."""
+    """Returns the cell data as {name: numpy array}."""
     cells = data.GetCellData()
     return {cells.GetArrayName(i): vtk_to_numpy(cells.GetArray(i)) for i in range(cells.GetNumberOfArrays())}

@@ -1,13 +1,18 @@
-/* Preloaded: a file system that fails, and power that goes off. What counts are calls on files whose names
- * are in CML_FAULT_FOLDER (absolute, no links, "/" at its end), and on that folder, whose name is ".".
- * CML_FAULT="CALL N ACTION [NAME]" hits the N-th call ("N+": and all later ones) of CALL: open (for writing),
- * write, fsync, close, rename, link, unlink or ftruncate;
- * with NAME only calls on that file, for rename and link the new name. A temporary file ("FILE.PID-N.tmp") is
- * called "FILE.tmp". ACTION: before, after   SIGKILL before the call, or when it has been made stop SIGSTOP
- * before the call, which is made after SIGCONT half            SIGKILL when half of a write has been made
+/* A preloaded library that imitates a failing file system, or a power failure.
+ *
+ * CML_FAULT="CALL N ACTION [NAME]" hits the N-th call ("N+": and all later ones) of CALL: open (for
+ * writing), write, fsync, close, rename, link, unlink or ftruncate. Only calls on files in the folder
+ * CML_FAULT_FOLDER (absolute, no links, "/" at its end) and on the folder itself, called ".", count. With
+ * NAME only calls on that file count; for rename and link, NAME is the new name. A temporary file
+ * ("FILE.PID-N.tmp") is called "FILE.tmp". Values of ACTION:
+ *
+ *   before, after   SIGKILL before the call, or after it
+ *   stop            SIGSTOP before the call, which is made after SIGCONT
+ *   half            SIGKILL when half of a write is made
  *   short           half of a write is made, and its caller is told so
  *   lost            a write is not made, and its caller is told that it was
  *   a number        the call is not made and fails with this errno; close closes all the same
+ *
  * CML_FAULT_LOG names a file to which each call is appended: "CALL NAME".
  * SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
@@ -38,7 +43,8 @@ static void note_call(const char *call, const char *name)
     syscall(SYS_close, file);
 }
 
-/* Without the numbers of a temporary file, and without what the system puts behind that of a removed one. */
+/* Copies a name without the numbers of a temporary file, and without the text that the system adds to the
+ * name of a removed file. */
 static void plain_name(const char *name, char plain[300])
 {
     static const char ending[] = ".tmp", removed[] = " (deleted)";
@@ -51,7 +57,7 @@ static void plain_name(const char *name, char plain[300])
     strcpy(end > plain && end[-1] == '.' ? end - 1 : end, ending);
 }
 
-/* The action for this call; NULL: none. */
+/* Returns the action for this call, or NULL for none. */
 static const char *action_for(const char *call, const char *path)
 {
     static atomic_int calls;
@@ -75,7 +81,7 @@ static void die(void)
     for (;;) pause();
 }
 
-/* Whether the call is to be made; if not, errno is set. */
+/* True if the call is to be made. Otherwise sets errno. */
 static int begin_call(const char *action)
 {
     if (!action) return 1;
@@ -91,7 +97,7 @@ static void end_call(const char *action)
     if (action && strcmp(action, "after") == 0) die();
 }
 
-/* The name of an open file. */
+/* Returns the name of an open file. */
 static const char *name_of(int file, char *name, size_t size)
 {
     char link[64];
@@ -101,7 +107,7 @@ static const char *name_of(int file, char *name, size_t size)
     return name;
 }
 
-/* CALL on a name: ... is the call itself. */
+/* The body of a wrapped CALL on a name. The last argument is the real call. */
 #define ON_NAME(call, path, ...)                                                                             \
     const char *action = action_for(call, path);                                                             \
     if (!begin_call(action)) return -1;                                                                      \

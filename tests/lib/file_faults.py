@@ -1,7 +1,7 @@
-"""What the tests of failing files share: one run that writes every kind of file, under lib/file_fault.c.
+"""Parts that the tests of failing files share: one run that writes every kind of file, under lib/file_fault.c.
 
-The clock of lib/system_fault.c ticks with every look, so that the run writes several checkpoints on any machine, and
-on one thread the same ones. --resume stands in every command line, because the .h5 holds it. Standard library only."""
+lib/system_fault.c provides a clock that ticks at every look. The run therefore writes several checkpoints on any machine, and the same ones on one
+thread. --resume stands in every command line, because the .h5 holds the command line. Only the standard library is needed."""
 import os
 import re
 import shutil
@@ -15,14 +15,14 @@ NAMES = ["skinmap.boundary0.vtp", "skinmap.h5", "skinmap.map.vti", "skinmap.mco"
 
 
 def coarse_scene():
-    """The sample with pixels of three times the size: every file is there and takes several writes, but few of them."""
+    """Returns the sample with pixels three times as wide: it writes every kind of file, each in several writes but not many."""
     with open(SCENE, encoding="utf-8") as file:
         text = re.sub("^map .*", "map 27 21 0.036 0.036 volume top=-0.02", file.read(), flags=re.MULTILINE)
     return text.replace("../meshes", os.path.join(os.path.dirname(os.path.abspath(SCENE)), "..", "meshes"))
 
 
 class Folder:
-    """An output folder; what the run leaves there is in `expected`, and in `calls` how it came there."""
+    """An output folder. `expected` has the files that the run leaves there, and `calls` the calls that made them."""
 
     def __init__(self):
         self.root = os.path.realpath(tempfile.mkdtemp())
@@ -42,7 +42,7 @@ class Folder:
         self.run({"CML_FAULT_LOG": log}).check_returncode()
         self.expected = self.read()
         with open(log, encoding="utf-8") as file:
-            self.calls = [tuple(line.split()) for line in file]  # (call, file); temporary ones are NAME.tmp
+            self.calls = [tuple(line.split()) for line in file]  # (call, file); temporary files are called NAME.tmp
         if sorted(self.expected) != NAMES or ("link", "skinmap.mco.checkpoint.old") not in self.calls:
             raise RuntimeError(f"left {sorted(self.expected)} by {self.calls}")
 
@@ -53,7 +53,7 @@ class Folder:
         shutil.rmtree(self.root)
 
     def clear(self, older=False):
-        """Only an older result is there, or nothing."""
+        """Empties the folder, or leaves only an older result there."""
         for name in os.listdir(self.path):
             os.remove(os.path.join(self.path, name))
         for name, data in self.older.items() if older else []:
@@ -61,7 +61,7 @@ class Folder:
                 file.write(data)
 
     def read(self):
-        """{name: bytes but for the line of time}, without the checkpoint that --resume leaves of a finished run"""
+        """Returns {name: bytes without the line of time}. The checkpoint that --resume leaves of a finished run is skipped."""
         files = {}
         for name in os.listdir(self.path):
             with open(os.path.join(self.path, name), "rb") as file:
@@ -83,24 +83,24 @@ class Folder:
         return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def run(self, faults=None, **options):
-        """faults None: nothing is preloaded, and the clock is the machine's."""
+        """Runs the program and returns the finished process. With faults=None nothing is preloaded, and the clock is the machine's."""
         process = self.start(faults, **options)
         out, err = process.communicate()
         return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
     def occurrences(self):
-        """{(call, file): how often}, in the order in which they come first."""
+        """Returns {(call, file): number of times}, in the order of first occurrence."""
         counts = {}
         for call in self.calls:
             counts[call] = counts.get(call, 0) + 1
         return counts
 
     def wrong_files(self, allowed):
-        """Final names whose bytes are none of the allowed ones."""
+        """Returns the names of final files whose bytes are none of the allowed ones."""
         return [name for name, data in self.read().items()
                 if name in NAMES and data not in [files.get(name) for files in allowed]]
 
 
 def fault(call, n, action, name):
-    """For lib/file_fault.c."""
+    """Returns the environment for lib/file_fault.c."""
     return {"CML_FAULT": f"{call} {n} {action} {name}"}

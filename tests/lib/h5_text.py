@@ -1,5 +1,6 @@
-"""The content of an .h5 file as text, one object, attribute or row of values a line, for a comparison that does not depend
-on how the HDF5 library lays the file out. Numbers are printed with all of their digits."""
+"""Prints the content of an .h5 file as text: one object, attribute or row of values a line, numbers with all digits.
+
+Two such texts can be compared although the HDF5 library may lay out both files differently."""
 import sys
 
 import h5py
@@ -7,7 +8,7 @@ import numpy
 
 
 def plain(value, file):
-    """References become the name of what they point to; arrays become lists."""
+    """Returns a value as plain Python. A reference becomes the name of its target, and an array becomes a list."""
     if isinstance(value, h5py.Reference):
         return file[value].name if value else None
     if isinstance(value, (numpy.ndarray, numpy.void, list, tuple)):

@@ -1,7 +1,8 @@
-"""The manual's pages and what can be run in them: scenes (```mci), commands (```sh) and Python (```python), in order and in one
-folder for each page. Other blocks (```text, ```c) are read only.
+"""Reads the pages of the manual and runs their blocks: scenes (```mci), commands (```sh) and Python (```python).
 
-An eighth of the packets in every run of 1e5 or more, unless ALL_CASES is in the environment.
+The blocks of a page run in order, in one folder. Other blocks (```text, ```c) are only read. Every run of 1e5 packets or more gets an eighth of
+them, unless ALL_CASES is in the environment.
+
 SPDX-License-Identifier: MIT"""
 import contextlib
 import glob
@@ -26,7 +27,7 @@ def read(path):
 
 
 def pages():
-    """Paths below samples/manual, in order."""
+    """Returns the paths of all pages below samples/manual, sorted."""
     return sorted(os.path.relpath(path, MANUAL) for path in glob.glob(os.path.join(MANUAL, "**", "*.md"), recursive=True))
 
 
@@ -35,19 +36,19 @@ def page(name):
 
 
 def blocks(text):
-    """[(language, code), ...]"""
+    """Returns the fenced blocks of a page: [(language, code), ...]."""
     return FENCED.findall(text)
 
 
 def fewer(text):
-    """Commands, Python or a scene."""
+    """Returns commands, Python or a scene with fewer photons: an eighth of 1e5 or more."""
     def eighth(match):
         return match[1] + (match[2] if WHOLE or float(match[2]) < 1e5 else str(cml.repeats(round(float(match[2]))) // 2))
     return re.sub(r"(--photons |--more |photons=|\.(?:mco|h5)\s+[AB]\b[^\n]*\n\s*)([\d.]+(?:e\d+)?)", eighth, text)
 
 
 def make_tree(folder):
-    """A tree like the repository's: build/clustermcml, meshes, samples."""
+    """Makes a tree like the repository's: build/clustermcml, meshes, samples."""
     os.makedirs(os.path.join(folder, "build"))
     os.makedirs(os.path.join(folder, "samples"))
     os.symlink(cml.PROGRAM, os.path.join(folder, "build", "clustermcml"))
@@ -74,7 +75,7 @@ def make_folder(tree, name):
 
 
 def run_scene(code, tree, here):
-    """The scene is saved under the name in its first comment, `# NAME.mci`, and flies where its results harm nothing."""
+    """Saves a scene under the name in its first comment, `# NAME.mci`, and runs it. Its results go to a folder where they do no harm."""
     name = (re.match(r"# *([\w-]+\.mci)\b", code) or ["", "scene.mci"])[1]
     with open(os.path.join(here, name), "w", encoding="utf-8") as file:
         file.write(code)
@@ -107,7 +108,7 @@ def run_python(code, names, here):
 
 
 def run_page(name, tree, here):
-    """Runs what can be run. Returns the folder where the commands have ended, and a complaint; "": all ran."""
+    """Runs all blocks of a page that can run. Returns the folder in which the commands have ended, and a complaint, "" if all ran."""
     import clustermcml
     names = {"mc": clustermcml}
     for number, (language, code) in enumerate(blocks(page(name)), 1):

@@ -1,4 +1,5 @@
-/* What the tests of the .mci reader share. SPDX-License-Identifier: MIT */
+/* Parts that the tests of the .mci reader share.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "lib/case_files.h"
@@ -25,7 +26,7 @@ static inline cml_status case_read(void **state, const char *text, struct cml_sc
     return case_read_with(state, text, NULL, list, err);
 }
 
-/* The read must succeed; shows the message when it does not. */
+/* Reads `text` as x.mci and fails the test with the message if the reader refuses it. */
 static inline void case_read_ok_with(void **state, const char *text, const struct cml_input_options *options,
                                      struct cml_scene_list *list)
 {

@@ -1,5 +1,6 @@
-/* What the tests of result files share: a directory of their own, files in it, messages without its name, and
- * two files whose bytes are written out. SPDX-License-Identifier: MIT */
+/* Parts that the tests of result files share: a directory of their own, files in it, messages without its
+ * name, and two files whose bytes are written out.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "lib/case_files.h"
@@ -17,7 +18,7 @@
     "# Tt[r][angle]. [1/(cm2sr)].\n# Tt[0][0], [0][1],..[0][na-1]\n# Tt[1][0], [1][1],..[1][na-1]\n# ...\n"  \
     "# Tt[nr-1][0], [nr-1][1],..[nr-1][na-1]\nTt_ra\n"
 
-/* nz = 3, nr = 2, na = 1, two layers: no grid ends with a full line. 75 lines. */
+/* A file with nz = 3, nr = 2, na = 1 and two layers: no grid ends with a full line. 75 lines. */
 static const char case_open[] = CASE_HEAD
     "# User time:     7204 sec =     2.00 hr.   Simulation time of this run.\n\n"
     "InParm \t\t\t# Input parameters. cm is used.\n"
@@ -55,7 +56,7 @@ static const char case_open[] = CASE_HEAD
     "  1.3826E-02\n\n" CASE_A_RZ "  3.2948E+03   3.0386E+03   2.5033E+03   1.8514E+03   1.2758E+03 \n"
     "  8.5363E-99 \n" CASE_RD_RA "  5.5268E+02   3.6460E+02 \n" CASE_TT_RA "  1.7068E+02  -1.1574E+02 \n";
 
-/* nz = 1, nr = 5, na = 2, one layer: every grid ends with a full line. */
+/* A file with nz = 1, nr = 5, na = 2 and one layer: every grid ends with a full line. */
 static const char case_full[] =
     CASE_HEAD "# User time:        0 sec =     0.00 hr.   Simulation time of this run.\n\n"
               "InParm \t\t\t# Input parameters. cm is used.\n"
@@ -91,7 +92,8 @@ static const char case_full[] =
               "  1.0000E-03   2.0000E-03   3.0000E-03   4.0000E-03   5.0000E-03 \n"
               "  6.0000E-03   7.0000E-03   8.0000E-03   9.0000E-03   9.9000E-03 \n\n";
 
-/* A copy of `text` with every occurrence of `from` replaced; it must occur. The caller frees it. */
+/* Returns a copy of `text` with every occurrence of `from` replaced. `from` must occur. The caller frees the
+ * copy. */
 static inline char *case_replace(const char *text, const char *from, const char *to)
 {
     char *copy = calloc(1, 1 << 16);

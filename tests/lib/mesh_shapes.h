@@ -1,5 +1,6 @@
 /* Meshes for the tests of the mesh query: a rough square patch on a regular grid, whose height is known
- * everywhere without a search, and the same sheared until it overhangs. SPDX-License-Identifier: MIT */
+ * everywhere without a search, and a sheared copy that overhangs.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "lib/dice.h"
@@ -20,7 +21,7 @@ static inline double patch_coordinate(int i)
     return 2.0 * i / GRID - 1;
 }
 
-/* Cells are cut along the diagonal from (i, j) to (i + 1, j + 1). shear: x += shear * z. */
+/* Makes a patch. Cells are cut along the diagonal from (i, j) to (i + 1, j + 1). shear: x += shear * z. */
 static inline void patch_make(struct patch *patch, uint32_t seed, double height, double shear, double dx,
                               double dy)
 {
@@ -45,8 +46,8 @@ static inline void patch_make(struct patch *patch, uint32_t seed, double height,
         }
 }
 
-/* The patch with its inner vertices moved by up to `reach` cells in x and y, at the heights that they have:
- * no regular grid any more. With 0.25 or less no triangle turns over. */
+/* Moves the inner vertices of the patch by up to `reach` cells in x and y, at unchanged heights, so that the
+ * grid is no longer regular. With 0.25 or less, no triangle turns over. */
 static inline void patch_move(struct patch *patch, uint32_t seed, double reach)
 {
     struct dice dice = dice_new(seed);
@@ -82,7 +83,7 @@ static inline void patch_write(const struct patch *patch, const char *path)
     assert_int_equal(fclose(file), 0);
 }
 
-/* A prepared mesh of the patch, owned by the caller. */
+/* Returns a prepared mesh of the patch, owned by the caller. */
 static inline struct cml_mesh patch_mesh(const struct patch *patch)
 {
     struct cml_mesh mesh = {.num_vertices = COUNT(patch->vertex), .num_triangles = COUNT(patch->triangle)};
@@ -98,7 +99,7 @@ static inline struct cml_mesh patch_mesh(const struct patch *patch)
     return mesh;
 }
 
-/* Depth of the unsheared patch, 0 outside it. */
+/* Returns the depth of the unsheared patch, or 0 outside it. */
 static inline double patch_depth(const struct patch *patch, double x, double y)
 {
     const double a = (x + 1) * GRID / 2, b = (y + 1) * GRID / 2;

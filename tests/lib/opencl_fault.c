@@ -1,5 +1,6 @@
-/* Preloaded: an OpenCL device that fails. CML_FAULT="FUNCTION N CODE" lets the N-th call of FUNCTION (and all
- * later ones) return CODE without being made; CML_DEVICE_BYTES is how much memory the device says it has.
+/* A preloaded library that imitates a failing OpenCL device. CML_FAULT="FUNCTION N CODE" makes the N-th call
+ * of FUNCTION, and all later ones, return CODE without being made. CML_DEVICE_BYTES is the memory that the
+ * device reports.
  * SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
 #define CL_TARGET_OPENCL_VERSION 120
@@ -10,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The code that this call of the named function must return, or CL_SUCCESS. */
+/* Returns the code that this call of the named function must return, or CL_SUCCESS. */
 static cl_int fault(const char *name)
 {
     static int calls;

@@ -1,8 +1,8 @@
-"""What a plane in place of a curved boundary changes, on the same photon streams: the scene as it is against level rings,
-which are that plane, but are met with the same random numbers as the curved boundary.
+"""Measures the change of results when a plane replaces a curved boundary, on equal photon streams.
 
-RUNS runs of a scene in one file, each with its own streams, flown both ways, give paired differences of the totals and of
-every bin of the profiles; what they exceed a tolerance by is counted in their standard errors."""
+The plane is made of level rings, so that it uses as many random numbers as the curved boundary. RUNS runs of a scene in one file, each with its own
+streams, are made with both surfaces. They give paired differences of the totals and of every bin of the profiles. The excess of a difference over a
+tolerance is measured in standard errors."""
 import math
 import statistics
 import tempfile
@@ -12,15 +12,14 @@ import cml
 RUNS = 16
 TOTALS = ("Rsp", "Rd", "A", "Tt")
 PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a", "A_z", "A_l")
-LEAST_SHARE = 0.01  # of the light: smaller totals and profiles are held to the tolerance of this share
-# Level up to a radius where no light comes. The bump there is for the envelope, beyond which a packet counts as leaked:
-# were it no higher than rounding, it would be one now and then.
+LEAST_SHARE = 0.01  # share of the light: smaller totals and profiles are held to the tolerance of this share
+# A plane: level up to a radius that no light reaches. The bump there raises the envelope, beyond which a packet counts as leaked. With an envelope
+# no higher than rounding, a packet would leak now and then.
 LEVEL = "b 4 0 500 0 0.1 1e-4 0.1 0 1"
 
 
 class Scene:
-    """One boundary that is curved, in layers. surface and level: its line and that of the plane; layers: the lines of an
-    .mci; at: the boundary's index."""
+    """Layers with one curved boundary. surface: its line; level: the line of the plane; layers: lines of an .mci; at: index of the boundary."""
 
     def __init__(self, name, surface, layers, level=LEVEL, at=0, beam="pencil", n_above=1.0, n_below=1.0,
                  grid="0.01 0.01", bins="50 50 10"):
@@ -28,7 +27,7 @@ class Scene:
         self.n_above, self.n_below, self.grid, self.bins = n_above, n_below, grid, bins
 
     def text(self, surface, runs=1):
-        """With this line for the boundary, so many times in one file."""
+        """Returns the text of a file that has the scene `runs` times, with `surface` as the line of the boundary."""
         lines = ["1.0", str(runs)]
         for run in range(runs):
             lines += [f"out{run}.mco A", "1000", f"beam {self.beam}", self.grid, self.bins, str(len(self.layers)),
@@ -39,13 +38,13 @@ class Scene:
 
 
 def lens(n, radius, slope):
-    """A parabola of n samples, this steep at its rim."""
+    """Returns the line of a parabola of n samples, with this slope at its rim."""
     heights = [slope * radius / 2 * (1 - (i / (n - 1)) ** 2) for i in range(n)]
     return f"b {n} " + " ".join(f"{height:.9g} {radius / (n - 1):.9g}" for height in heights)
 
 
-# Scenes of little height and slope, and tolerances that a plane in their place breaks all the same: grazing light on a slope,
-# light near the critical angle, a lens above a long clear layer.
+# Scenes of small height and slope with their tolerances, which a plane would break all the same: grazing light on a slope, light near the critical
+# angle, a lens above a long clear layer.
 DECEPTIVE = [
     (Scene("grazing", "b 2 0.002 0.05 0 0.05", ["1.4 0.5 0.5 0 1"],
            beam="pencil at=-0.02,0 angle=88.9"), 0.05),
@@ -57,7 +56,7 @@ DECEPTIVE = [
 
 
 def bins_of(scene, record, key):
-    """What a profile holds in each bin, as shares of the light."""
+    """Returns the light in each bin of a profile, as shares of all light."""
     values = cml.read_sections(record["output"])[key]
     dz, dr = map(float, scene.grid.split())
     if key == "A_l":
@@ -71,7 +70,7 @@ def bins_of(scene, record, key):
 
 
 def fly(scene, surface, photons, options=()):
-    """Per run {name: [values]}: totals have one."""
+    """Returns the records and, for each run, {name: [values]}. A total has one value."""
     with tempfile.TemporaryDirectory() as keep:
         records = cml.run(scene.text(surface, RUNS), "--photons", photons, *options, keep=keep)
         runs = [{key: [record[key]] for key in TOTALS} | {key: bins_of(scene, record, key) for key in PROFILES}
@@ -88,21 +87,21 @@ def errors(columns):
 
 
 def distance(differences):
-    """Sum over bins of the mean difference without its sign, not raised by noise: the signs come from one half of the
-    runs, the differences from the other. On average at most the true sum."""
+    """Returns the sum over bins of the absolute mean difference, not raised by noise. Signs come from one half of the runs, differences from the
+    other. The mean is at most the true sum."""
     halves = mean(zip(*differences[::2])), mean(zip(*differences[1::2]))
     return sum(math.copysign(b, a * b) if a * b else 0.0 for a, b in zip(*halves))
 
 
 class Bias:
-    """Of a scene with a plane: series and bins have (relative difference, its standard error)."""
+    """The bias of a scene whose boundary is replaced by a plane. series and bins have pairs (relative difference, its standard error)."""
 
     def __init__(self, scene, photons, options=()):
         truth_records, truth = fly(scene, scene.surface, photons, options)
         level_records, level = fly(scene, scene.level, photons, [*options, "--boundaries", "cone"])
         self.series, self.bins = {}, {}
         self.clean = all(record["lost"] == 0 and record["residue"] == 0 for record in truth_records + level_records)
-        self.seconds = statistics.fmean(record["cpu_s"] for record in truth_records)  # of a run of the scene as it is
+        self.seconds = statistics.fmean(record["cpu_s"] for record in truth_records)  # processor time of a run with the curved boundary [s]
         for key in TOTALS + PROFILES:
             differences = [[b - a for a, b in zip(one[key], other[key])] for one, other in zip(truth, level)]
             whole = max(sum(mean(zip(*(run[key] for run in truth)))), LEAST_SHARE)
@@ -114,7 +113,7 @@ class Bias:
             self.bins[key] = [(abs(m) / h, e / h) for m, e, h in zip(means, spread, holds)]
 
     def excess(self, tolerance):
-        """Largest excess of a series over the tolerance, and of a bin, in standard errors, with their names."""
+        """Returns the largest excess over the tolerance, in standard errors, of a series and of a bin, with their names."""
         def over(pair):
             return (pair[0] - tolerance) / max(pair[1], 1e-12)
         series = max((over(pair), key) for key, pair in self.series.items())

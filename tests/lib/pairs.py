@@ -1,12 +1,12 @@
-"""Is `compare` honest? Pairs of runs that differ in nothing but their random numbers must be told apart at a level of
-0.05 in at most 5 % of the cases, whatever errors their files carry, however few packets they have and however those were
-drawn.
+"""Tests that `compare` is honest: runs that differ only in their random numbers may be told apart at a level of 0.05 in at most 5 % of pairs.
 
-Scenes: thin (97 % unscattered, which is one bin; few packets elsewhere), dark (weights spread over decades, correlated
-depth bins), white (no absorption to speak of). The first file of a pair is of a run by default (--sampling lattice), the
-second of one as original MCML would draw it. Files: both with standard errors, one without, the other without, neither
-(cut off behind Tt_ra, as original MCML writes them); and two of the first kind with their errors. Limit: the binomial
-quantile at 1e-4 for a true rate of 0.05. The second half, power: a run with mus 1 % higher must be found."""
+This must hold whatever errors the files carry, however few packets they have, and however the packets were drawn.
+
+Scenes: thin (97 % unscattered, which is one bin; few packets elsewhere), dark (weights spread over decades, correlated depth bins), white (almost
+no absorption). The first file of a pair comes from a run with defaults (--sampling lattice), the second from a run like original MCML's. Four kinds
+of pairs: both files with standard errors, only the first, only the second, none (cut off after Tt_ra, as original MCML writes). Two default runs
+with their errors are a fifth kind. Limit: the binomial quantile at 1e-4 for a true rate of 0.05. The second half tests power: a run with mus 1 %
+higher must be found."""
 import json
 import math
 import os
@@ -24,19 +24,19 @@ AS_MCML = ("--sampling", "random", "--roulette", "mcml")
 
 
 def fly(keep, tag, layers, bins, grid, photons, runs, seed, *options):
-    """`runs` results TAG0.mco, TAG1.mco ...: the runs of one file have random numbers of their own."""
+    """Makes `runs` results TAG0.mco, TAG1.mco ... The runs of one file have random numbers of their own."""
     text = cml.repeated(runs, layers, tag, photons=photons, grid=grid, bins=bins)
     cml.run(text, "--seed", seed, *options, keep=keep)
 
 
 def cut(path, out):
-    """What original MCML would have written."""
+    """Writes the part of a result that original MCML would have written."""
     with open(path, encoding="utf-8") as file, open(out, "w", encoding="utf-8") as plain:
         plain.write(file.read().replace("   Last line: # end", "").split("\n# clustermcml ")[0])
 
 
 def compare_all(paths):
-    """What `compare --json` says of each pair, by one interpreter: to start it takes longer than to compare."""
+    """Returns the answer of `compare --json` for each pair. One interpreter compares all pairs, because starting takes longer than comparing."""
     script = "import json, sys, clustermcml\nprint(json.dumps([clustermcml.compare(a, b) for a, b in json.load(sys.stdin)]))"
     package = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "python")
     done = subprocess.run([os.environ.get("CLUSTERMCML_PYTHON", "python3"), "-c", script], input=json.dumps(paths), capture_output=True,
@@ -47,7 +47,7 @@ def compare_all(paths):
 
 
 def quantile(n, p, level):
-    """Least k that a binomial count exceeds with probability `level` at most."""
+    """Returns the least k that a binomial count exceeds with a probability of at most `level`."""
     tail, k = 1.0, -1
     while tail > level:
         k += 1
@@ -56,7 +56,7 @@ def quantile(n, p, level):
 
 
 def count_alarms(verdict, name, paths):
-    """paths: of both files of every pair."""
+    """Counts the pairs that `compare` tells apart. paths: of both files of every pair."""
     records = compare_all(paths)
     alarms, tests = sum(record["p"] < 0.05 for record in records), sum(record["tests"] for record in records)
     most = quantile(len(paths), 0.05, 1e-4)
@@ -67,7 +67,7 @@ def count_alarms(verdict, name, paths):
 
 
 def false_alarms(verdict, scene, photons, pairs):
-    """photons: of the first and of the second of each pair."""
+    """Tests pairs of a scene. photons: numbers for the first and the second file of each pair."""
     layers, bins, grid = SCENES[scene]
     with tempfile.TemporaryDirectory() as keep:
         fly(keep, "a", layers, bins, grid, photons[0], pairs, 11)
@@ -82,7 +82,7 @@ def false_alarms(verdict, scene, photons, pairs):
 
 
 def false_alarms_of_arrays(verdict, photons, pairs):
-    """Of .h5 files: voxels, maps, facets, pixels, what bodies absorb, means of detectors, derivatives."""
+    """Tests pairs of .h5 files: voxels, maps, facets, pixels, absorption of bodies, means of detectors, derivatives."""
     asks = ["map 12 12 0.02 0.02 angles volume", "fluence", "facets", "directions 4 6",
             "detector map 8 8 0.05 0.05 na=0.9 name=camera", "detector ring 0.05 0.3 name=far"]
     layers = ["1.4 2 60 0.7 0.1", "1.5 5 90 0.8 0.1\ni sphere 0.02 0 0.15 0.03 1.6 9 40 0.6"]
@@ -96,8 +96,8 @@ def false_alarms_of_arrays(verdict, photons, pairs):
 
 
 def power(verdict, photons):
-    """1 % more scattering in a slab of 2 mean free paths: 2 % less unscattered light, which is a bin of its own. Every
-    kind of file must show it."""
+    """Tests that `compare` finds 1 % more scattering in a slab of 2 mean free paths, with every kind of file. The unscattered light, which is a bin
+    of its own, is 2 % less."""
     layers, bins, grid = ["1.4 0.5 20 0.8 0.1"], "20 100 30", "0.005 0.01"
     with tempfile.TemporaryDirectory() as keep:
         fly(keep, "a", layers, bins, grid, photons, 1, 21)

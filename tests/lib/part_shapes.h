@@ -1,5 +1,6 @@
-/* Closed meshes of several parts for the tests, and an oracle of what is inside of them that shares nothing
- * with the program: solid angles in long double. SPDX-License-Identifier: MIT */
+/* Closed meshes of several parts for the tests, and an oracle of their inside that shares nothing with the
+ * program: solid angles in long double.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "lib/dice.h"
@@ -12,14 +13,14 @@
 
 enum { SOUP_PARTS = 100, SOUP_VERTICES = 4000, SOUP_TRIANGLES = 8000 };
 
-/* Facets of a part turn counter-clockwise seen from outside of it. */
+/* A mesh of several closed parts. Facets of a part turn counter-clockwise seen from outside the part. */
 struct soup {
     int parts, num_vertices, num_triangles;
     double vertex[SOUP_VERTICES][3];
     uint32_t triangle[SOUP_TRIANGLES][3];
     int part[SOUP_TRIANGLES];
-    int first[SOUP_PARTS + 1]; /* triangle of each part */
-    bool unite;                /* inside is what is inside of any part, else of an odd number of them */
+    int first[SOUP_PARTS + 1]; /* first triangle of each part */
+    bool unite; /* inside means inside of any part; otherwise inside of an odd number of parts */
 };
 
 static inline void soup_end_part(struct soup *soup)
@@ -34,7 +35,8 @@ static inline void soup_add(struct soup *soup, uint32_t a, uint32_t b, uint32_t 
     memcpy(soup->triangle[soup->num_triangles++], corner, sizeof corner);
 }
 
-/* Rings of vertices about a centre, each moved along its radius: sees all of itself from there. */
+/* Adds a stone: rings of vertices about a centre, each moved along its radius. From the centre, the whole
+ * surface is visible. */
 static inline void soup_stone(struct soup *soup, struct dice *dice, const double centre[3], int rings,
                               double least, double most)
 {
@@ -60,7 +62,7 @@ static inline void soup_stone(struct soup *soup, struct dice *dice, const double
     soup_end_part(soup);
 }
 
-/* Its edges along the axes. */
+/* Adds a box with edges along the axes. */
 static inline void soup_box(struct soup *soup, const double lower[3], const double upper[3])
 {
     static const uint32_t sides[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
@@ -77,7 +79,7 @@ static inline void soup_box(struct soup *soup, const double lower[3], const doub
     soup_end_part(soup);
 }
 
-/* The last part once more, all of it nearer to a centre by a factor. */
+/* Adds the last part again, scaled by a factor towards a centre. */
 static inline void soup_repeat(struct soup *soup, const double centre[3], double factor)
 {
     const int first = soup->first[soup->parts - 1], end = soup->num_triangles;
@@ -95,8 +97,8 @@ static inline void soup_repeat(struct soup *soup, const double centre[3], double
     soup_end_part(soup);
 }
 
-/* How often the part is around p: its facets' solid angles [van Oosterom and Strackee, IEEE Trans. Biomed.
- * Eng. 30 (1983) 125] over 4 pi. */
+/* Returns the number of times that a part encloses p: the solid angles of its facets [van Oosterom and
+ * Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125] over 4 pi. */
 static inline int soup_winding(const struct soup *soup, int part, const double p[3])
 {
     long double sum = 0;
@@ -137,7 +139,7 @@ static inline double soup_segment_distance(const double a[3], const double b[3],
     return cml_vec3_length(ap);
 }
 
-/* From p to the nearest facet of all. */
+/* Returns the distance from p to the nearest facet of all parts. */
 static inline double soup_distance(const struct soup *soup, const double p[3])
 {
     double least = INFINITY;
@@ -160,7 +162,8 @@ static inline double soup_distance(const struct soup *soup, const double p[3])
     return least;
 }
 
-/* A prepared mesh of it, owned by the caller; before that every other triangle was turned, at random. */
+/* Returns a prepared mesh of the soup, owned by the caller. About half of its triangles, chosen at random,
+ * are turned before preparation. */
 static inline struct cml_mesh soup_mesh(const struct soup *soup, struct dice *dice,
                                         struct cml_mesh_notes *notes)
 {

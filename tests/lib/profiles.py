@@ -1,7 +1,7 @@
-"""Rd(r) and Tt(r) against profiles made by other programs; per bin or in groups of bins.
+"""Compares Rd(r) and Tt(r) with profiles made by other programs, per bin or in groups of bins.
 
-Errors are batch means over 64 ranges of photon indices, so a z-score follows Student's t with 63 degrees of freedom; the
-limit allows for that. The last bin is overflow and is left out.
+Errors come from 64 batches, ranges of photon indices. A z-score therefore follows Student's t with 63 degrees of freedom, and the limit allows for
+this. The last bin also holds all light beyond the grid, and is left out.
 """
 import csv
 import math
@@ -12,7 +12,7 @@ import cml
 
 
 def student_limit(tests, level=1e-4, freedom=63):
-    """Sidak limit for Student deviates (Cornish-Fisher expansion of the normal quantile)."""
+    """Returns the limit by Sidak for Student deviates (Cornish-Fisher expansion of the normal quantile)."""
     z = cml.sidak_limit(tests, level)
     first = (z**3 + z) / (4 * freedom)
     second = (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
@@ -20,14 +20,14 @@ def student_limit(tests, level=1e-4, freedom=63):
 
 
 def reference(name):
-    """Columns of a reference profile as lists of floats, comments skipped."""
+    """Returns the columns of a reference profile as lists of floats."""
     with open(os.path.join(cml.REFERENCE, "profiles", name), encoding="utf-8") as file:
         table = list(csv.DictReader(line for line in file if not line.startswith("#")))
     return {key: [float(row[key]) for row in table] for key in table[0]}
 
 
 def simulate(scene, photons, *options):
-    """(JSON record, sections of the .mco) of a sample."""
+    """Runs a sample. Returns its JSON record and the sections of its .mco."""
     with tempfile.TemporaryDirectory() as keep:
         record = cml.run(os.path.join(cml.SAMPLES, scene), "--photons", photons, "--seed", 7, "--ignore-absorption",
                          *options, keep=keep)[0]
@@ -35,7 +35,7 @@ def simulate(scene, photons, *options):
 
 
 def ring_sums(values, dr, group):
-    """Sums over groups of bins of value * ring area, without the last bin."""
+    """Returns sums over groups of bins of value * ring area, without the last bin."""
     weights = [value * 2 * math.pi * (i + 0.5) * dr * dr for i, value in enumerate(values[:-1])]
     return [sum(weights[i:i + group]) for i in range(0, len(weights), group)]
 
@@ -46,8 +46,9 @@ def ring_errors(errors, dr, group):
 
 
 def compare(verdict, name, photons, sections, truth, truth_errors, group=1, dr=0.005):
-    """truth: {'Rd_r': [...], 'Tt_r': [...]}; truth_errors: the same, or a factor on our own errors.
-    Where few packets arrive, batch means say little; the bound E[w^2] <= E[w] for weights up to 1 takes their place."""
+    """Compares a run with a profile. truth: {'Rd_r': [...], 'Tt_r': [...]}; truth_errors: the same, or a factor on the run's own errors.
+
+    If few packets arrive in a bin, the error from batches is unreliable, and the bound E[w^2] <= E[w] for weights up to 1 is used."""
     for key in ("Rd_r", "Tt_r"):
         ours, errors = ring_sums(sections[key], dr, group), ring_errors(sections["se_" + key], dr, group)
         theirs = ring_sums(truth[key], dr, group)

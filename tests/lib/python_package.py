@@ -1,6 +1,6 @@
-"""What the tests of the Python package share: the package, from src/python, and the packages that it needs.
+"""Puts src/python on the path of the tests of the Python package, and imports the package with all packages that it needs.
 
-Where these are missing the test is skipped, with a word."""
+If a package is missing, the test is skipped with a message."""
 import os
 import sys
 

@@ -1,4 +1,4 @@
-/* A call that must succeed, in a test of cmocka's.
+/* Calls that must succeed, in a test of cmocka's.
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -1,7 +1,10 @@
-/* How many of the random cases of a test are flown: all of them where the environment has ALL_CASES (ctest -L
- * long), else one in eight, and one in sixteen by a build with sanitizers, which looks at addresses and
- * undefined operations, takes ten times as long, and skips by SANITIZED what needs all. Every kind of case,
- * shape and mesh is always there. SPDX-License-Identifier: MIT */
+/* The number of random cases of a test that are run: all if the environment has ALL_CASES (ctest -L long),
+ * else one in eight.
+ *
+ * A build with sanitizers checks addresses and undefined operations and takes ten times as long. It runs one
+ * case in sixteen, and skips, by SANITIZED, tests that need all cases. Every kind of case, shape and mesh is
+ * always run.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include <stdlib.h>
@@ -17,13 +20,13 @@ enum { SANITIZED = 0 };
 
 enum { SANITIZED_STEP = SANITIZED ? 16 : 1 };
 
-/* One in so many is flown. */
+/* Returns the step between cases that are run. */
 static inline int cases_step(void)
 {
     return SANITIZED ? SANITIZED_STEP : getenv("ALL_CASES") ? 1 : 8;
 }
 
-/* The number of cases, of which there are `all`. */
+/* Returns the number of cases that are run out of `all`. */
 static inline int repeats(int all)
 {
     return all / cases_step();

@@ -1,7 +1,7 @@
-"""Every slab and layer stack of tests/reference against adding-doubling: total reflectance and transmittance.
+"""Compares every slab and layer stack of tests/reference with adding-doubling: total reflectance and transmittance.
 
-usage of run_all: engine, packets per row, every how many rows. Statistic: z of Rsp + Rd and of Tt; limit 4.6, which is
-the Sidak limit for all 470 numbers at a level of 2e-3.
+Arguments of run_all: engine, packets per row, and the step between rows. Statistic: z of Rsp + Rd and of Tt. Its limit of 4.6 is the Sidak limit
+for all 470 numbers at a level of 2e-3.
 """
 import csv
 import os

@@ -1,5 +1,5 @@
-/* Spheres, cylinders and triangles as the tests know them, in long double: random ones, and what is true of
- * them by definition. None of it is the program's own geometry. Lengths in cm.
+/* Spheres, cylinders and triangles of the tests, in long double: random solids, and geometry by definition.
+ * None of it is the program's own geometry. Lengths are in cm.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -30,7 +30,7 @@ static inline wide wide_length(const wide a[3])
     return sqrtl(wide_dot(a, a));
 }
 
-/* Unit to the last bit, which one in double is not. */
+/* Writes the axis as a unit vector to the last bit; an axis in double is not. */
 static inline void solid_axis(const struct cml_convex *solid, wide axis[3])
 {
     wide_from(solid->axis, axis);
@@ -38,7 +38,7 @@ static inline void solid_axis(const struct cml_convex *solid, wide axis[3])
     for (int k = 0; k < 3; k++) axis[k] /= size > 0 ? size : 1;
 }
 
-/* Place along the axis of a cylinder; across: the rest of it. */
+/* Returns the place along the axis of a cylinder. across: the component of p across the axis. */
 static inline wide solid_along(const struct cml_convex *solid, const wide p[3], wide across[3])
 {
     wide d[3], axis[3], centre[3];
@@ -50,7 +50,8 @@ static inline wide solid_along(const struct cml_convex *solid, const wide p[3], 
     return along;
 }
 
-/* How far inside a sphere or cylinder p lies, or below 0: by how much it fails to. */
+/* Returns the depth of p inside a sphere or cylinder. A negative result says by how much p fails to lie
+ * inside. */
 static inline wide solid_depth(const struct cml_convex *solid, const wide p[3])
 {
     wide across[3];
@@ -64,7 +65,7 @@ static inline wide solid_depth(const struct cml_convex *solid, const wide p[3])
     return fminl(in_side, fminl(along, solid->length - along));
 }
 
-/* The point of the solid that lies furthest along n, of any length. */
+/* Writes the point of the solid that lies furthest along n. n may have any length. */
 static inline void solid_furthest(const struct cml_convex *solid, const wide n[3], wide point[3])
 {
     wide axis[3], across[3];
@@ -80,7 +81,7 @@ static inline void solid_furthest(const struct cml_convex *solid, const wide n[3
     solid_axis(solid, axis);
     const wide rise = solid->form == CML_CONVEX_CYLINDER ? wide_dot(axis, n) : 0;
     for (int k = 0; k < 3; k++) across[k] = n[k] - rise * axis[k];
-    const wide rest = wide_dot(across, axis); /* where n leads along the axis, rounding is all that is left */
+    const wide rest = wide_dot(across, axis); /* if n points along the axis, only rounding is left */
     for (int k = 0; k < 3; k++) across[k] -= rest * axis[k];
     const wide size = wide_length(across);
     for (int k = 0; k < 3; k++)
@@ -88,7 +89,8 @@ static inline void solid_furthest(const struct cml_convex *solid, const wide n[3
                    (size > 0 ? solid->radius * across[k] / size : 0);
 }
 
-/* A place on the surface and the normal there, outwards. part: of a cylinder 0 the side, 1 and 2 its ends. */
+/* Writes a random place on the surface and the outward normal there. part: for a cylinder, 0 is the side, 1
+ * and 2 are its ends. */
 static inline void solid_surface(const struct cml_convex *solid, int part, struct dice *dice, wide p[3],
                                  wide normal[3])
 {
@@ -119,7 +121,8 @@ static inline int solid_parts(const struct cml_convex *solid)
     return solid->form == CML_CONVEX_SPHERE ? 1 : 3;
 }
 
-/* About the origin, some 0.01 to 1 large; every third cylinder lies along a coordinate. */
+/* Returns a random solid about the origin, 0.01 to 1 in size. Every third cylinder lies along a coordinate
+ * axis. */
 static inline struct cml_convex any_solid(enum cml_convex_form form, struct dice *dice)
 {
     struct cml_convex solid = {.form = form, .radius = pow(10, dice_between(dice, -2, 0))};

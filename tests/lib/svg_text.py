@@ -1,9 +1,15 @@
-"""Texts of SVG pictures must not overlap, nor leave the picture, and stand on white, whatever is behind: svg_text.py FILE.svg [...].
+"""Tests that texts of SVG pictures do not overlap, stay within the picture, and stand on white: svg_text.py FILE.svg [...].
 
-Reads the svg of matplotlib: attributes, or a style that holds them.
-A text's box is as wide as its characters times WIDTH of the size of its letters, for no fonts are at hand: about the mean of
-Helvetica, in which digits take 0.556. It reaches from the baseline up to the capitals, and down to the tails of letters.
-Boxes may touch by SLACK points. Turned texts are turned with their boxes. Prints each pair; the exit code is 1 then.
+The SVG files of matplotlib are read: attributes, or a style that holds them. No fonts are at hand, so a text's box is as wide as its number of
+characters times WIDTH of the size of its letters. WIDTH is about the mean of Helvetica, in which digits take 0.556. The box reaches from the tails
+of letters up to the capitals:
+
+    UP    ┌─────────┐
+          │ Tt_r(g) │  baseline at 0
+    DOWN  └─────────┘
+
+Boxes may overlap by SLACK points. Rotated texts have rotated boxes. The command prints each pair that overlaps, and its exit code is then 1.
+
 SPDX-License-Identifier: MIT
 """
 import math
@@ -17,11 +23,11 @@ STEP = re.compile(r"(translate|scale|rotate)\(([^)]*)\)")
 STYLED = {key: re.compile(rf"(?:^|[;\s]){words}") for key, words in (
     ("font-size", r"(?:font:[^;]*?|font-size: *)([\d.]+)px"), ("text-anchor", r"text-anchor: *(\w+)"), ("fill", r"fill: *(#\w+)"))}
 LENGTH = re.compile(r"[-+0-9.eE]+")
-SAME = (1, 0, 0, 1, 0, 0)  # x' = a x + c y + e, y' = b x + d y + f, as SVG's matrix(a b c d e f)
+SAME = (1, 0, 0, 1, 0, 0)  # the identity; x' = a x + c y + e, y' = b x + d y + f, as SVG's matrix(a b c d e f)
 
 
 def times(m, n):
-    """First n, then m."""
+    """Returns the product of two transforms: first n, then m."""
     a, b, c, d, e, f = m
     return (a * n[0] + c * n[1], b * n[0] + d * n[1], a * n[2] + c * n[3], b * n[2] + d * n[3],
             a * n[4] + c * n[5] + e, b * n[4] + d * n[5] + f)
@@ -37,19 +43,19 @@ def matrix(transform):
             m = times(m, (v[0], 0, 0, v[-1], 0, 0))
         else:
             sine, cosine = math.sin(math.radians(v[0])), math.cos(math.radians(v[0]))
-            x, y = v[1:] or (0, 0)  # rotate(angle x y) turns about that point
+            x, y = v[1:] or (0, 0)  # rotate(angle x y) turns about the point (x, y)
             m = times(m, (cosine, sine, -sine, cosine, x - cosine * x + sine * y, y - sine * x - cosine * y))
     return m
 
 
 def said(element, key, default):
-    """An attribute, or what the style says of it."""
+    """Returns an attribute, or its value in the style."""
     styled = STYLED[key].search(element.get("style", ""))
     return styled[1] if styled else element.get(key, default)
 
 
 def box_of(element, m, size, anchor):
-    """(left, top, right, bottom) in points of the picture."""
+    """Returns the box of a text as (left, top, right, bottom) in points of the picture."""
     width = len(words_of(element)) * size * WIDTH
     left = {"middle": -width / 2, "end": -width}.get(anchor, 0)
     x, y = float(element.get("x", 0)), float(element.get("y", 0))
@@ -59,12 +65,12 @@ def box_of(element, m, size, anchor):
 
 
 def words_of(element):
-    """Of a text in parts, such as a power of ten, each part without the white space about it."""
+    """Returns the words of a text. In a text of parts, such as a power of ten, white space around each part is dropped."""
     return "".join(text.strip() for text in element.itertext()) if len(element) and element.get("style") is None else "".join(element.itertext()).strip()
 
 
 def texts_of(element, m=SAME, size=12.0, anchor="start"):
-    """(words, box) of every text below the element."""
+    """Yields (words, box) of every text below the element."""
     m = times(m, matrix(element.get("transform")))
     size = float(LENGTH.match(said(element, "font-size", str(size))).group())
     anchor = said(element, "text-anchor", anchor)
@@ -76,7 +82,7 @@ def texts_of(element, m=SAME, size=12.0, anchor="start"):
 
 
 def fills(part, view):
-    """Whether a rectangle, or a path of four corners, is the whole picture."""
+    """True if a rectangle, or a path of four corners, fills the whole picture."""
     if part.tag == SVG + "rect":
         return [float(part.get(key)) for key in ("x", "y", "width", "height")] == view
     corners = [float(word) for word in LENGTH.findall(part.get("d"))]
@@ -85,7 +91,7 @@ def fills(part, view):
 
 
 def on_white(root, view):
-    """Whether white fills the picture."""
+    """True if white fills the picture."""
     return any(said(part, "fill", "").lower() == "#ffffff" and fills(part, view)
                for part in root.iter() if part.tag in (SVG + "rect", SVG + "path"))
 
@@ -104,7 +110,7 @@ def faults_of(root):
 
 
 def check_the_check():
-    """Pictures made up: two texts apart, and one fault of each kind."""
+    """Checks made-up pictures: two texts apart, and one fault of each kind."""
     def faults(*texts, paper='<rect x="0" y="0" width="100" height="100" fill="#FFFFFF"/>'):
         body = paper + "".join(f'<g transform="{where}" font-size="10" text-anchor="middle"><text>{text}</text></g>' for where, text in texts)
         return len(faults_of(tree.fromstring(f'<svg xmlns="{SVG[1:-1]}" viewBox="0 0 100 100">{body}</svg>'))[0])
@@ -114,7 +120,7 @@ def check_the_check():
     assert faults(first, ("translate(72,50) rotate(-90)", "bbbbb")) == 0
     assert faults(first, ("translate(66,50) rotate(-90)", "bbbbb")) == 1
     assert faults(first, paper="") == 1
-    # as matplotlib writes it
+    # matplotlib writes texts like this
     def styled(*turns):
         body = "".join(f'<text style="font: 10px \'DejaVu Sans\'; text-anchor: middle" x="50" y="50" transform="rotate({turn} 50 50)">aaaaa</text>'
                        for turn in turns) + '<path d="M 0 100 L 100 100 L 100 0 L 0 0 z" style="fill: #ffffff"/>'

@@ -1,12 +1,14 @@
-/* Preloaded: clocks that jump, a system that starts no threads, and file systems without locks. Variables:
+/* A preloaded library with clocks that jump, a system that starts no threads, and file systems without
+ * locks. Variables:
  *
- * CML_CLOCK=tick: the monotonic clock goes on by one second at every look. What depends on time then depends
- * on the work that was done, and not on the machine.
- * CML_CLOCK="jump SECONDS": the date jumps by so many seconds at every tenth look, to and fro, forwards
- * first. CML_CLOCK_LOG: a file to which a line is appended at every jump.
+ * CML_CLOCK=tick: the monotonic clock advances by one second at every look. Events that depend on time then
+ * depend on the work done, and not on the machine.
  *
- * CML_THREADS=N: the N-th thread and all later ones that the program itself starts (no library) are refused
- * with EAGAIN. 0: all threads are refused, those of libraries, too.
+ * CML_CLOCK="jump SECONDS": the date jumps by so many seconds at every tenth look, forwards first, then
+ * back, and so on. CML_CLOCK_LOG: a file to which a line is appended at every jump.
+ *
+ * CML_THREADS=N: the N-th thread and all later ones that the program itself starts (not its libraries) are
+ * refused with EAGAIN. With 0, all threads are refused, those of libraries, too.
  *
  * CML_LOCKS=ERRNO: every lock of a file is refused with this errno.
  *
@@ -28,7 +30,7 @@
 
 #define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
 
-/* Seconds that the date is off at this look. */
+/* Returns the error of the date at this look [s]. */
 static long jump(void)
 {
     static atomic_int looks;

@@ -1,10 +1,11 @@
-"""Python that has imported its libraries before it is asked for: what takes a second in each of many commands.
+"""A Python process that has its libraries imported already, which saves a second in each of many commands.
 
-    warm_python.py serve SOCKET        waits for calls until whoever started it has ended
-    warm_python.py call SOCKET WORD... does what `python3 WORD...` would, -c TEXT, - or FILE, in a child of the other process
+    warm_python.py serve SOCKET        waits for calls until the process that started it has ended
+    warm_python.py call SOCKET WORD... does the work of `python3 WORD...` (-c TEXT, - or FILE) in a child of the server
 
-A child has the folder, environment, standard streams, limit of memory and words of the call, and imports the package itself. Signals that
-the caller gets do not reach the child. Exit code 77 of `serve`: a library is missing.
+A child has the folder, environment, standard streams, limit of memory and words of the call, and imports the package itself. Signals to the caller
+do not reach the child. Exit code 77 of `serve` means that a library is missing.
+
 SPDX-License-Identifier: MIT
 """
 import json
@@ -13,11 +14,11 @@ import resource
 import socket
 import sys
 
-MOST = 1 << 20  # bytes of words and environment
+MOST = 1 << 20  # most bytes of the words and the environment of a call
 
 
 def start():
-    """For tests in Python: from here on the program hands over to one that is warm, which ends with the test."""
+    """Starts a server for a test in Python. From then on the program hands over to the server, which ends with the test."""
     import atexit
     import shutil
     import subprocess
@@ -47,7 +48,7 @@ def call(path, words):
 
 
 def run(words):
-    """As the interpreter does: modules of PYTHONPATH are found first, those of the script's folder before them."""
+    """Runs a script like the interpreter: modules of PYTHONPATH are found first, and modules of the script's folder before them."""
     import runpy
     import types
     sys.modules["__main__"] = types.ModuleType("__main__")
@@ -65,7 +66,7 @@ def run(words):
 
 
 def answer(client):
-    """In a child, which ends here."""
+    """Answers one call in a child process, which ends here."""
     said, streams, *_ = socket.recv_fds(client, MOST, 3)
     for number, stream in enumerate(streams):
         os.dup2(stream, number)
@@ -87,11 +88,11 @@ def answer(client):
         sys.excepthook(*sys.exc_info())
     finish()
     client.send(str(code).encode())
-    os._exit(0)  # without what the other process does at its end
+    os._exit(0)  # the exit handlers of the server must not run in the child
 
 
 def finish():
-    """As the interpreter does at its end: what the script has open is closed."""
+    """Ends a script like the interpreter: objects of the script are deleted, and so its files are closed."""
     import atexit
     import gc
     sys.modules["__main__"].__dict__.clear()
@@ -102,7 +103,7 @@ def finish():
 
 
 def load():
-    """Draws a picture, too: fonts are read with the first one."""
+    """Imports the libraries and draws a picture, because matplotlib reads fonts with the first one."""
     try:
         import h5py  # noqa: F401
         import matplotlib.ticker  # noqa: F401
@@ -125,7 +126,7 @@ def serve(path):
     parent = os.getppid()
     load()
     del sys.path[0]  # the folder of this file
-    sys.dont_write_bytecode, sys.pycache_prefix = False, path + ".cache"  # the package is compiled by the first call only
+    sys.dont_write_bytecode, sys.pycache_prefix = False, path + ".cache"  # only the first call compiles the package
     gc.freeze()
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     listener.bind(path + ".new")

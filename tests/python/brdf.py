@@ -1,8 +1,8 @@
-"""BRDFs and the files that renderers read.
+"""Tests of BRDFs and of the files that renderers read.
 
-- Sums of bins are the program's totals, to 1e-12; light from below is light from above on the scene upside down.
-- A lambertian ground under a clear matched layer is R / pi; the fit of a slab, integrated over the light, is what adding-doubling reflects.
-- Files are read here byte by byte, as the format is described, and asked what pbrt-v4 asks of them.
+- Sums of bins are the program's totals, to 1e-12. Light from below equals light from above on the scene turned upside down.
+- A lambertian ground under a clear matched layer has the BRDF R / pi. The fit of a slab, integrated over the light, is the reflectance by adding-doubling.
+- Files are parsed here byte by byte, by the description of the format, and pass the checks of pbrt-v4.
 With the argument `long`: reciprocity of raw bins at 1e7 packets, the ground to 1e-3, and errors of 20 random materials against other seeds."""
 import csv
 import os
@@ -28,7 +28,7 @@ WAVES = mc.Heightmap(0.004 * np.outer(np.ones(16), np.sin(np.arange(16) * np.pi 
 
 
 def read_tensor(path):
-    """The fields of a tensor file, from the description of the format alone."""
+    """Returns the fields of a tensor file, read by the description of the format alone."""
     with open(path, "rb") as file:
         data = file.read()
     assert data[:12] == b"tensor_file\0" and data[12:14] == b"\1\0", data[:14]
@@ -47,7 +47,7 @@ def read_tensor(path):
 
 
 def looked_up(fields, name, channel, theta_i, theta_o, phi):
-    """f cos theta_o as a renderer reads it: linear in the cells and between angles of incidence. The light comes from azimuth 0."""
+    """Returns f cos theta_o as a renderer reads it, linear between nodes and between angles of incidence. The light comes from azimuth 0."""
     light = np.array([np.sin(theta_i), 0, np.cos(theta_i)])
     half = light + [np.sin(theta_o) * np.cos(phi), np.sin(theta_o) * np.sin(phi), np.cos(theta_o)]
     half /= np.linalg.norm(half)
@@ -68,7 +68,7 @@ def quiet(function, *words, **options):
 
 
 def sums(material):
-    """How far sums of bins and mirror parts are from the totals."""
+    """Returns the largest difference between sums of bins and mirror parts and the totals."""
     data = material.data
     return max(float(abs((data[f"f_{side}"] * data.projected).sum(["theta", "phi"]) + data["mirror_" + name] - data["albedo_" + name]).max())
                for side, name in (("r", "R"), ("t", "T")))
@@ -76,7 +76,7 @@ def sums(material):
 
 class Tables(unittest.TestCase):
     def test_bins_add_up_to_the_totals(self):
-        """Also where the mirrored light lies on the edge of two bins (2.5 degrees), over tiles and in light from below."""
+        """Bins add up to the totals also if mirrored light lies on the edge of two bins (2.5 degrees), over tiles, and in light from below."""
         tile = mc.Scene([mc.Layer(n=1.5, mua=5, mus=50, g=0.5, d=0.02, top=WAVES)])
         for scene, back in ((SLAB, False), (SLAB, True), (tile, False), (tile, True)):
             material = mc.brdf(scene, angles=[0, 2.5, 40, 80], photons=2000, target_error=None, back=back)
@@ -85,10 +85,10 @@ class Tables(unittest.TestCase):
             self.assertEqual(material.f_r.dims, ("theta_i", "theta", "phi"))
             self.assertEqual(material.f_r.sel(theta=[30, 85], phi=[0, 180, 350]).shape, (4, 2, 3))
             exact = material.albedo_R + material.albedo_T + material.A
-            self.assertLess(float(abs(exact - 1).max()), 1e-3)  # but for roulette
+            self.assertLess(float(abs(exact - 1).max()), 1e-3)  # roulette leaves a small rest
 
     def test_mirror_parts(self):
-        """Of a clear slab all light is in them; a rough face has none."""
+        """A clear slab sends all light into its mirror images; a rough face sends none there."""
         clear = mc.Scene([mc.Layer(n=1.5, mua=0, mus=0, g=0, d=0.1)])
         material = mc.brdf(clear, angles=[10, 60], photons=2000, target_error=None)
         np.testing.assert_allclose(material.mirror_R, material.albedo_R, atol=1e-12)
@@ -135,7 +135,7 @@ class Tables(unittest.TestCase):
 
 class Fits(unittest.TestCase):
     def test_a_lambertian_ground(self):
-        """Exact bins give the exact fit; flown ones R / pi within the noise, in the fit, the bins and the file."""
+        """Exact bins of a lambertian ground give the exact fit. Simulated bins give R / pi within the noise in the fit, the bins and the file."""
         bins, angles = Bins(18, 36), np.radians([0, 30, 60, 80])
         shares = np.broadcast_to(0.25 * bins.projected()[:, None], (4, 19, 36))
         found = fit_bins(shares, 1e-3 * np.sqrt(shares), angles, 1.0, bins)
@@ -153,7 +153,7 @@ class Fits(unittest.TestCase):
             self.assertLess(abs(looked_up(fields, "spectra", 0, np.radians(40), theta_o, 2.0) / np.cos(theta_o) / (0.8 / np.pi) - 1), 0.05)
 
     def test_a_slab_against_adding_doubling(self):
-        """Albedos are those of `exact`. The fit, integrated over directions of the light, is Rd of `exact` at the exit's angle."""
+        """Albedos of a slab are those of `exact`. The fit, integrated over directions of the light, is Rd of `exact` at the angle of exit."""
         slab = mc.Scene([mc.Layer(n=1.5, mua=0.5, mus=300, g=0.7, d=0.05)])
         material = mc.brdf(slab, angles=[0, 30, 50, 65, 80], photons=40000, target_error=None)
         beam = [mc.exact(mc.Scene(slab.layers, beam=mc.Beam(angle=angle)))[0] for angle in (0, 30, 50, 65, 80)]
@@ -182,7 +182,7 @@ class Fits(unittest.TestCase):
 
 class Lobes(unittest.TestCase):
     def test_cells_of_even_light(self):
-        """Packets with the cosine law are f = 1 / pi in every cell, also where cells were joined; the light comes from 50 degrees."""
+        """Packets by the cosine law give f = 1 / pi in every cell, also in joined cells. The light comes from 50 degrees."""
         dice = np.random.default_rng(3)
         sine, phi = np.sqrt(dice.random(400000)), dice.uniform(0, 2 * np.pi, 400000)
         flights = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.sqrt(1 - sine**2)], axis=1)
@@ -190,11 +190,11 @@ class Lobes(unittest.TestCase):
         u, v = nodes(CELLS)
         cosine, _, along = exits(u, v, np.radians(50))
         inside = (cosine > 0.1) & (along > 0)
-        self.assertLess(abs(cells[inside] * np.pi - 1).max(), 0.75)  # 50 packets each
+        self.assertLess(abs(cells[inside] * np.pi - 1).max(), 0.75)  # a cell holds 50 packets
         self.assertLess(abs(cells[inside].mean() * np.pi - 1), 0.02)
 
     def test_a_lobe_stands_where_light_is_mirrored(self):
-        """A packet near the mirrored direction lies at small u, whatever the angle; one back to the light at u of its angle."""
+        """Packets near the mirrored direction lie at small u for any angle. Packets that fly back to the light lie at the u of their angle."""
         for angle in np.radians([10, 60]):
             flights = np.array([[np.sin(angle), 0, np.cos(angle)]] * 60 + [[-np.sin(angle), 1e-4, np.cos(angle)]] * 60)
             cells = cells_of(np.full(120, 1e-3), flights, angle, CELLS)
@@ -203,7 +203,7 @@ class Lobes(unittest.TestCase):
             self.assertGreater(cells[CELLS // 2, back], 10 * cells[CELLS // 4, CELLS - 1])
 
     def test_the_share_of_a_gloss(self):
-        """A rough face over black: the file holds the light that the face reflects."""
+        """The file of a rough face over black holds the light that the face reflects."""
         face = mc.Scene([mc.Layer(n=1.5, mua=1000, mus=0, g=0, d=1, top_rough=mc.Rough("beckmann", 0.2))], n_below=1.5)
         material = mc.brdf(face, angles=[0, 40], photons=2e5, target_error=None)
         with tempfile.TemporaryDirectory() as folder:
@@ -264,7 +264,7 @@ class Files(unittest.TestCase):
         self.assertTrue(fields["description"].tobytes().decode().startswith("Scene; "))
 
     def test_a_file_holds_the_fit(self):
-        """At the angles flown, off the horizon, f cos theta_o to 2 %; a packet that flies on is the mirror side."""
+        """A .bsdf gives f cos theta_o to 2 % at the flown angles, away from the horizon. A packet that flies straight on is on the mirror side."""
         material = mc.brdf(SLAB, angles=[0, 50], photons=5000, target_error=None)
         self.write_all(material, "b")
         for name, kind, channels in (("b.bsdf", "spectra", 2), ("b.rgb.bsdf", "rgb", 3)):
@@ -320,7 +320,7 @@ class Files(unittest.TestCase):
 
 class Scenes(unittest.TestCase):
     def test_other_light_on_a_file(self):
-        """Beams and tallies are replaced, also behind #@; files keep their places."""
+        """Beams and tallies of a scene are replaced, also lines after #@. Names of files still lead to the same files."""
         with tempfile.TemporaryDirectory() as folder:
             with open(os.path.join(folder, "top.txt"), "w", encoding="utf-8") as file:
                 file.write("2 0.01 0.1 0 1\n")
@@ -370,7 +370,7 @@ class Command(unittest.TestCase):
             np.testing.assert_array_equal(read_tensor(os.path.join(folder, "two.bsdf"))["wavelengths"], [450, 650])
 
     def test_printed_shares(self):
-        """R, T, A and A_backing are all of the light. The gloss of a rough face is the Rsp of a flight."""
+        """R, T, A and A_backing add up to all light. The gloss of a rough face is the Rsp of a flight."""
         rough = mc.Scene([mc.Layer(n=1.5, mua=2, mus=100, g=0.6, d=0.02, top_rough=mc.Rough("beckmann", 0.3))], backing=mc.Backing("lambertian", R=0.5))
         with tempfile.TemporaryDirectory() as folder:
             rough.write(os.path.join(folder, "rough.mci"))
@@ -416,7 +416,7 @@ class Long(unittest.TestCase):
     packets = 10_000_000
 
     def test_reciprocity(self):
-        """Of a slab, a rough face (bins of 1 degree, for its lobe) and a tile that is the same from both sides, in its plane of symmetry."""
+        """f is reciprocal for a slab, a rough face (in bins of 1 degree, for its lobe), and a tile with equal sides, in its plane of symmetry."""
         paint = mc.Layer(n=1.5, mua=5, mus=200, g=0.7, d=0.02)
         rough = mc.Layer(n=1.5, mua=5, mus=200, g=0.7, d=0.02, top_rough=mc.Rough("beckmann", 0.3))
         tile = mc.Layer(n=1.5, mua=5, mus=200, g=0.7, d=0.05, top=WAVES)
@@ -428,7 +428,8 @@ class Long(unittest.TestCase):
             self.assertLess(abs(pairs[:, 3]).max(), 4, name)
 
     def test_a_lambertian_ground(self):
-        """R / pi to 1e-3 (rms over directions), by the fit and by the file: 45 terms of 1e8 packets are known to 0.7e-3."""
+        """A lambertian ground has f = R / pi to 1e-3 (rms over directions), by the fit and by the file. With 1e8 packets, 45 terms are known to
+        0.7e-3."""
         ground = mc.Scene([mc.Layer(n=1, mua=0, mus=0, g=0, d=0.01)], backing=mc.Backing("lambertian", R=0.8))
         material = mc.brdf(ground, photons=self.packets, target_error=None)
         dice = np.random.default_rng(4)
@@ -445,7 +446,8 @@ class Long(unittest.TestCase):
             self.assertLess(rms, 1e-3 * np.sqrt(1e7 / self.packets), name)
 
     def test_errors_are_true(self):
-        """20 random materials, each by two seeds: z of bins of 60 packets and more has the spread of Student's t, albedos stay within 4.5."""
+        """Errors of 20 random materials are true, by two seeds: z in bins of 60 packets and more has the spread of Student's t, and |z| of albedos
+        stays below 4.5."""
         dice, spread, albedos = np.random.default_rng(5), [], []
         for _ in range(20):
             face = mc.Rough("ggx", dice.uniform(0.1, 0.6)) if dice.random() < 0.5 else None

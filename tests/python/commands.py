@@ -1,4 +1,4 @@
-"""What Python offers of the program's commands: the same options, the same answers, and no names of files that are gone."""
+"""Tests of the program's commands in Python: they have the program's options, give its answers, and never name deleted files."""
 import inspect
 import json
 import os
@@ -22,7 +22,7 @@ HILL = os.path.join(TOP, "samples", "shapes", "hihill.mci")
 
 
 def command(*words):
-    """Standard output of the program, whose answer may be that results differ."""
+    """Returns the standard output of the program. Exit code 1, which says that results differ, is allowed."""
     ended = subprocess.run([find_program(), *words], stdout=subprocess.PIPE, text=True)
     assert ended.returncode in (0, 1), words
     return ended.stdout
@@ -67,11 +67,11 @@ class Roughness(unittest.TestCase):
 
 class Options(unittest.TestCase):
     def test_are_those_of_the_program(self):
-        """All of them, and no others; and they stand in the signature that completion asks for."""
+        """The package has all options of the program and no others. They stand in the signature, where editors look for completion."""
         for name in ("run", "check", "plan", "exact", "trace", "mesh", "crosscheck", "furnace"):
             kind = set(vars(options)[name.capitalize() + "Options"].__annotations__)
             theirs = {word.replace("-", "_") for word in re.findall(r"^  (?:-\w, )?--([\w-]+)", command("help", name), re.MULTILINE)}
-            self.assertEqual(kind, theirs - (set(NO_ARGUMENTS) - kind) - {"output_dir", "reweight"}, name)  # the latter: of sweep
+            self.assertEqual(kind, theirs - (set(NO_ARGUMENTS) - kind) - {"output_dir", "reweight"}, name)  # both belong to sweep
             self.assertLessEqual(kind, set(inspect.signature(getattr(mc, name)).parameters), name)
         self.assertEqual(inspect.signature(mc.sweep).parameters["target_error"].annotation, "float")
 
@@ -108,7 +108,7 @@ class Commands(unittest.TestCase):
         self.folder = folder.name
 
     def test_expected(self):
-        """What --aim adds stands in both files beside what was counted; a layer above the level has its counted value."""
+        """Expected values of --aim stand in .mco and .h5 beside the counted ones. A layer above the level has its counted value."""
         layers = [mc.Layer(1.4, 1, 60, 0.8, 0.1, top=mc.Heightfield([0, 0.1], [0.02, 0])), mc.Layer(1.5, 2, 20, 0.5, 0.1)]
         mc.Scene(layers, photons=2000, format="A").write(path := os.path.join(self.folder, "deep.mci"))
         command(path, "--quiet", "--aim", "Tt", "--output", "deep.h5", "-o", self.folder)
@@ -119,7 +119,7 @@ class Commands(unittest.TestCase):
         np.testing.assert_array_equal((h5.A_l_expected == h5.A_l, h5.A_l_expected_se == h5.A_l_se), ([True, False], [True, False]))
 
     def test_trace(self):
-        """Every number of the table, and what became of the photon."""
+        """mc.trace returns every number of the printed table, and the fate of the photon."""
         said = command("trace", RIDGES, "17", "--seed", "3").splitlines()
         events = mc.trace(RIDGES, 17, seed=3)
         rows = [line.split()[1:] for line in said if not line.startswith("#")]
@@ -175,7 +175,7 @@ class Commands(unittest.TestCase):
             self.assertIn(">body 1, n = 1.4<", file.read())
 
     def test_messages_name_no_files_that_are_gone(self):
-        """Of files beside the scene the program says something, of results this package."""
+        """Messages do not name deleted files: the program speaks of files beside the scene, the package of results."""
         dark = mc.Layer(1.4, 1, 100, 0, 0.1, phase=mc.Phase("table", angles=[0, 180], densities=[0, 0]))
         with self.assertRaisesRegex(mc.InputError, "^Scene: layer 1: phase: table of a Phase: p = 0"):
             mc.run(mc.Scene([dark]))
@@ -200,7 +200,7 @@ class Meshes(unittest.TestCase):
             mc.Mesh("a.obj", self.FACES)
 
     def test_files_of_others(self):
-        """trimesh reads them where it is; else the message says so."""
+        """trimesh reads meshes of other formats. Without trimesh, the message says so."""
         path = os.path.join(tempfile.mkdtemp(), "pyramid.stl")
         self.addCleanup(lambda: (os.remove(path), os.rmdir(os.path.dirname(path))))
         with open(path, "w", encoding="utf-8") as file:
@@ -223,7 +223,7 @@ class Meshes(unittest.TestCase):
 
 class Light(unittest.TestCase):
     def setUp(self):
-        """In a folder with a table and an image, whose names need quotes."""
+        """Makes a folder with a table and an image whose names need quotes, and enters it."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.addCleanup(os.chdir, os.getcwd())
@@ -232,7 +232,7 @@ class Light(unittest.TestCase):
         write_gsf("a row.gsf", np.array([[1, 2], [0, 4]]), 0.1, 0.1)
 
     def test_files_by_relative_names(self):
-        """Of the folder in which Python is, wherever the scene lies."""
+        """Relative names belong to the folder in which Python runs, wherever the scene lies."""
         scene = mc.Scene([SLAB], photons=50, beam=[mc.Beam("disk", 0.1, light="a led.txt"),
                                                    mc.Beam("image", file=pathlib.Path("a row.gsf"), light=pathlib.Path("a led.txt"), angle=60, azimuth=-30)])
         os.mkdir("sub")
@@ -261,7 +261,7 @@ class Light(unittest.TestCase):
 
 class Files(unittest.TestCase):
     def test_netcdf(self):
-        """Results are written and read by what the package installs, and `.h5` files are netCDF."""
+        """Results are written as netCDF and read again by the packages that clustermcml installs. `.h5` files are netCDF."""
         with tempfile.TemporaryDirectory() as folder:
             scene = mc.Scene([SLAB], photons=500, map=mc.Map(4, 3, 0.1, 0.1), directions=mc.Directions(2, 4))
             result = mc.run(scene, output_dir=folder)

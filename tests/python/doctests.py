@@ -1,6 +1,8 @@
-"""The examples in the docstrings of the Python package give what stands there, and the cells of samples/notebook.ipynb run, one
-after the other; those that draw, where matplotlib is installed, and samples/rough_pictures.py there, too. Differences that the
-notebook's pictures show are larger than 5 standard errors."""
+"""Tests that examples in the docstrings of the package give the results that stand there, and that the cells of samples/notebook.ipynb run in
+order.
+
+Cells that draw run if matplotlib is installed, as does samples/rough_pictures.py. Differences that the notebook's pictures show must be larger than
+5 standard errors."""
 import contextlib
 import doctest
 import importlib
@@ -20,7 +22,7 @@ from python_package import TOP, mc as clustermcml, np  # noqa: E402
 
 
 def cells_of(path):
-    """The Python in a notebook."""
+    """Returns the Python cells of a notebook. Without matplotlib, lines that draw are left out."""
     with open(path, encoding="utf-8") as file:
         cells = ["".join(cell["source"]) for cell in json.load(file)["cells"] if cell["cell_type"] == "code"]
     drawn = importlib.util.find_spec("matplotlib") is not None
@@ -28,7 +30,7 @@ def cells_of(path):
 
 
 def run_notebook():
-    """Runs the cells in an empty folder. Returns their variables."""
+    """Runs the cells of the notebook in an empty folder. Returns their variables."""
     cells = cells_of(os.path.join(TOP, "samples", "notebook.ipynb"))
     names, here = {}, os.getcwd()
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
@@ -42,7 +44,7 @@ def run_notebook():
 
 
 def effects(names):
-    """{what a picture of the notebook shows: its smallest difference, in standard errors}."""
+    """Returns {claim of a picture in the notebook: its smallest difference, in standard errors}."""
     across, spectrum, far = names["across"], names["spectrum"].sortby("wavelength"), abs(names["far"])
     bright, dark = (across.isel(x=int(pick(across.Rd_xy.values))) for pick in (np.argmax, np.argmin))
     steps = abs(spectrum.Rd.diff("wavelength")) / np.hypot(spectrum.Rd_se[1:], spectrum.Rd_se[:-1].values)
@@ -55,7 +57,7 @@ def effects(names):
 
 
 def rough_pictures():
-    """What is wrong with the pictures that samples/rough_pictures.py draws."""
+    """Returns the faults of the pictures that samples/rough_pictures.py draws."""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([sys.executable, os.path.join(TOP, "samples", "rough_pictures.py"), folder, "1e3"], capture_output=True, text=True, check=False,
                               env={**os.environ, "PYTHONPATH": os.path.join(TOP, "src", "python")})

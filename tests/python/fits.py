@@ -1,6 +1,8 @@
-"""Fits of mua and mus: flat ones against an inversion of adding-doubling, rough ones against what was put in, and what the data cannot tell
-is said. With the argument `long N`: N simulated measurements of each of six scenes, flat and rough, totals and profiles; fits are unbiased, and
-95 % intervals hold 95 +- 3 %."""
+"""Tests of fits of mua and mus. Flat scenes are compared with an inversion of adding-doubling, rough ones with the values that made the data. A fit
+must say if the data cannot tell a parameter.
+
+With the argument `long N`: N simulated measurements of each of six scenes, flat and rough, totals and profiles. Fits must be unbiased, and 95 %
+intervals must hold the truth in 95 +- 3 % of cases."""
 import contextlib
 import io
 import os
@@ -26,7 +28,7 @@ def slab(top=None, **values):
 
 
 def inverted(measured, start):
-    """mua and mus whose Rd and Tt, by adding-doubling, are these: steps in logarithms, by the slopes of the first."""
+    """Returns mua and mus whose Rd and Tt by adding-doubling are `measured`: Newton steps in logarithms, with the slopes of the first step."""
     def totals(u):
         found = mc.exact(slab(), set=dict(zip(TRUTH, np.exp(u))))[0]
         return np.log([found["Rd"], found["Tt"]])
@@ -41,7 +43,7 @@ def inverted(measured, start):
 
 class Fits(unittest.TestCase):
     def test_a_flat_slab_is_that_of_adding_doubling(self):
-        """The flights' noise alone is between them: within 4 of its errors, which are those of 1 % of noise in the data."""
+        """The fit of a flat slab equals the inversion of adding-doubling within 4 errors, which come from the flights' noise of 1 %."""
         measured = [0.30, 0.36]
         fit = mc.fit(slab(), BOUNDS, {"Rd": (measured[0], 1e-5), "Tt": (measured[1], 1e-5)}, photons=1e5)
         for name, value in zip(TRUTH, inverted(measured, fit.values.values())):
@@ -56,7 +58,8 @@ class Fits(unittest.TestCase):
         self.assertRegex(str(fit), r"correlation of layer1.mus and layer1.mua: -0\.\d\d \+- 0\.\d\d\n")
 
     def test_what_was_put_into_a_rough_slab_comes_out(self):
-        """Of R, of Tt and of a profile, whose last bin is left out; seven numbers tell two parameters, and chi square is theirs."""
+        """Fits find the parameters of a rough slab from R and Tt, and from a profile without its last bin. Seven numbers leave five degrees of
+        freedom."""
         scene = slab(top=HILL)
         truth = mc.run(scene, seed=5, photons=2e5)
         fit = mc.fit(scene, BOUNDS, {"R": (float(truth.Rd + truth.Rsp), 0.01), "Tt": (float(truth.Tt), 0.01)})
@@ -67,12 +70,12 @@ class Fits(unittest.TestCase):
                 self.assertLess(abs(found.values[name] - value), 4 * found.errors[name], name)
                 self.assertLess(found.errors[name], 0.2 * value, name)
             self.assertEqual(found.degrees, degrees)
-        self.assertLess(again.chi2, 22)  # of 5 degrees of freedom: one in 2000 is above
+        self.assertLess(again.chi2, 22)  # of 5 degrees of freedom: chi square is above 22 once in 2000 cases
         self.assertEqual(again.prediction["Rd_r"].shape, (6,))
         self.look_at_the_picture(again)
 
     def test_what_two_detectors_see_tells_both(self):
-        """Rings on a rough slab, the outer one with an aperture, and Tt below; a flight with derivatives, which knows their slopes."""
+        """Two rings on a rough slab, the outer one with an aperture, and Tt tell mua and mus. The last flight has derivatives."""
         rings = [mc.Detector("ring", r1=0.02, r2=0.05, name="near"), mc.Detector("ring", r1=0.05, r2=0.15, na=0.8, name="far")]
         scene = slab(top=HILL, detectors=rings)
         truth = mc.run(scene, seed=9, photons=1e5)
@@ -87,7 +90,7 @@ class Fits(unittest.TestCase):
                 mc.fit(scene, BOUNDS, measured)
 
     def look_at_the_picture(self, fit):
-        """It has the model's six bins and the measured ones, and below them the parameters and Tt; and of totals there is none."""
+        """The picture shows six bins of the model and of the data, and below them the parameters and Tt. Totals alone have no picture."""
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "fit.svg")
             fit.plot(path)
@@ -128,7 +131,8 @@ class Fits(unittest.TestCase):
         self.assertRegex(fit.words, "does not explain the data: chi square .* is no chance")
 
     def test_noise_of_slopes_does_not_pass_for_what_the_data_tell(self):
-        """Data of 7 % hardly tell a thin layer's mua from the mus below; flights of as much noise seem to, with mua 3.4 +- 1.0 for 1."""
+        """Data of 7 % hardly tell a thin layer's mua from the mus below. The noise of the flights' slopes must not pass for information, such as
+        mua 3.4 +- 1.0 for a true 1."""
         scene = mc.Scene([mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.03), mc.Layer(n=1.4, mua=1, mus=50, g=0.9, d=0.5)], nr=12, dr=0.015, photons=5e4)
         seen = mc.run(scene, seed=103).Rd_r.values
         fit = mc.fit(scene, {"layer1.mua": (0.1, 10), "layer1.mus": (25, 400), "layer2.mus": (12, 200)}, {"Rd_r": (seen, 0.07 * seen)}, seed=3, flights=4)
@@ -137,7 +141,7 @@ class Fits(unittest.TestCase):
         self.assertRegex(fit.words, "seem to tell of layer1.mua and .*layer2.mus is noise of the flights' slopes: more photons")
 
     def test_photons_of_which_no_errors_come(self):
-        """Of the option or of the scene; totals and profiles, which the files have."""
+        """Fewer than 64 photons, from the option or the scene, are refused for totals and for profiles."""
         for photons, scene in ((1, slab()), (3, slab()), (63, slab()), (None, mc.Scene(slab().layers, photons=2, nr=10, dr=0.03))):
             for measured in ({"Rd": (0.31, 0.003)}, {"Rd_r": (np.ones(10), 1)}):
                 with self.assertRaisesRegex(mc.InputError, rf"^photons = {photons or 2} .expected at least 64: errors come of so many batches.$"):
@@ -161,8 +165,8 @@ class Fits(unittest.TestCase):
 
 class Shell(unittest.TestCase):
     def fit(self, table, *more, started=""):
-        """Exit code and what is said of slab's fit to a table. more: words of the command. started: by an interpreter of its own, as "$@"
-        in this line of a shell."""
+        """Returns the exit code and the printed text of a fit of the slab to a table. more: words of the command. started: line of a shell that
+        starts a new interpreter, with "$@" for the command."""
         with tempfile.TemporaryDirectory() as folder:
             scene, path = os.path.join(folder, "slab.mci"), os.path.join(folder, "seen.csv")
             slab().write(scene)
@@ -203,14 +207,14 @@ class Shell(unittest.TestCase):
         self.assertEqual((code, len(re.findall(r"^model: Rd_r at 0.0(?:15|45) = \S+ \+- \S+, measured (?:0.5|1.2) \+- 0.1, z ", said, re.M))), (0, 2), said)
 
     def test_a_standard_output_that_takes_nothing(self):
-        """Full, closed, or without a reader: the program's words and codes."""
+        """A standard output that is full, closed, or without a reader gives the program's messages and exit codes."""
         said = "clustermcml: standard output cannot be written\n5\n"
         ends = (((), ">/dev/full", said), ((), "| true", "141\n"), (("--help",), ">/dev/full", said), ((), ">&-", said))
         for words, end, text in ends if "ALL_CASES" in os.environ else ends[:2]:
             self.assertEqual(self.fit("Rd,,0.30,0.003\nTt,,0.36,0.003\n", *words, started='{ "$@"; echo $? >&2; } ' + end), (0, text), end)
 
     def test_pictures(self):
-        """Of totals alone there is none, which is said before anything flies; a fit whose picture fails is printed first."""
+        """Totals alone have no picture; the refusal comes before anything is simulated. A fit whose picture fails is printed first."""
         with unittest.mock.patch("clustermcml.__main__.fit", side_effect=AssertionError("flew")):
             self.assertEqual(self.fit("Rd,,0.3,0.01\n", "-o", "fit.svg"),
                              (2, "clustermcml: -o = 'fit.svg' (expected a profile in the table: Rd_r Tt_r Rd_a Tt_a)\n"))
@@ -235,7 +239,7 @@ class Shell(unittest.TestCase):
 
 
     def test_words_that_are_none(self):
-        """Parameters twice or in other numerals, flights too; and what begins like an option is none."""
+        """Refused words: parameters given twice or in other numerals, bad numbers of flights, and unknown options."""
         for word, text in (("layer1.mua=1:2", "each parameter once"), ("layer2.mua=0_1:3", "NAME=LOW:HIGH, as layer1.mua=0.01:10"), ("layer2.mua=\u0661:3", "NAME=LOW:HIGH, as layer1.mua=0.01:10")):
             self.assertEqual(self.fit("Rd,,0.3,0.1\n", word), (2, f"clustermcml: parameter = {word!r} (expected {text})\n"))
         self.assertEqual(self.fit("Rd,,0.3,0.1\n", "--flights", "2.5"), (2, "clustermcml: flights = 2.5 (expected a whole number from 2 to 1000)\n"))
@@ -246,7 +250,7 @@ class Shell(unittest.TestCase):
             self.assertEqual(ended.exception.code, 2)
 
 
-# name: scene, what is measured, photons of a flight
+# name: scene, measured quantities, photons of a flight
 STUDY = {
     "flat": (slab(), ("Rd", "Tt"), 2e4),
     "flat, oblique": (mc.Scene([mc.Layer(n=1.4, mua=0.5, mus=100, g=0.9, d=0.2)], beam=mc.Beam("pencil", angle=45)), ("R", "Tt"), 2e4),
@@ -255,20 +259,21 @@ STUDY = {
     "flat, profile": (slab(), ("Rd_r", "Tt"), 1e5),
     "rough, profile": (slab(top=HILL), ("Rd_r", "Tt"), 1e5),
 }
-NOISE = {"Rd_r": 0.04}  # of the data, 0.02 of others
+NOISE = {"Rd_r": 0.04}  # relative noise of the data; 0.02 for all others
 
 
 def bounds(dice):
-    """As wide as BOUNDS, with the truth anywhere but near their ends: in their middle, where the first flight is, it would be found at once."""
+    """Returns bounds as wide as BOUNDS, with the truth anywhere except near their ends. In the middle, the first flight would find it at once."""
     place = dict(zip(BOUNDS, dice.uniform(0.15, 0.85, len(BOUNDS))))
     return {name: tuple(TRUTH[name] * (high / low) ** (end - place[name]) for end in (0, 1)) for name, (low, high) in BOUNDS.items()}
 
 
 def study(name, cases):
-    """Shares of intervals of one and 1.96 errors that hold the truth, and the mean of z, of both parameters; flights, mean and most.
+    """Simulates `cases` fits of a scene. Prints, for both parameters, how many intervals of 1 and 1.96 errors hold the truth, the mean of z, and
+    the number of flights.
 
-    The mean of z may be 4 errors of its own from 0, and the mean relative error s of the parameter beside: a value whose logarithm is normal
-    has a mean z of -s / 2, and the curvature of Rd, Tt over a logarithm, which is below 1, adds as much at most."""
+    The mean of z may be off from 0 by 4 of its own errors, plus the mean relative error s of the parameter. A value whose logarithm is normal has a
+    mean z of -s / 2. The curvature of Rd and Tt over a logarithm, which is below 1, adds at most as much."""
     scene, kinds, photons = STUDY[name]
     result = mc.run(scene, photons=4e6, seed=1000, threads=1)
     true = {kind: np.asarray(result.Rd + result.Rsp if kind == "R" else result[kind]) for kind in kinds}
@@ -286,7 +291,7 @@ def study(name, cases):
     print(f"{name}: {cases} fits, within 1 and 1.96 errors mua {inside[0][0]:.0f} and {inside[1][0]:.1f} %, mus {inside[0][1]:.0f} and "
           f"{inside[1][1]:.1f} %, mean z {skew.round(2)} of {most.round(2)} allowed, errors {(100 * np.mean(errors, axis=0)).round(1)} %, "
           f"flights {np.mean(flights):.1f}, at most {max(flights)}", flush=True)
-    within = 3 + 3 * 100 * (0.95 * 0.05 / cases) ** 0.5  # 3 errors of the count above the 3 % that are allowed
+    within = 3 + 3 * 100 * (0.95 * 0.05 / cases) ** 0.5  # 3 errors of the count, added to the allowed 3 %
     return np.all(np.abs(inside[1] - 95) <= within) and np.all(np.abs(skew) < most) and max(flights) <= 6 and np.mean(flights) <= 4
 
 

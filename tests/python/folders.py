@@ -1,4 +1,4 @@
-"""Folders and file systems that are strange: a run flies and its result is read all the same. The faults are those of lib/system_fault.c."""
+"""Tests of strange folders and file systems, in which a run must fly and its result be read. lib/system_fault.c makes the faults."""
 import os
 import subprocess
 import sys
@@ -11,14 +11,14 @@ from python_package import mc, xr  # noqa: E402
 
 class Folders(unittest.TestCase):
     def test_a_file_system_without_locks(self):
-        """NFS: a run's .h5 file is read all the same."""
+        """A run's .h5 file is read on a file system without locks, such as NFS."""
         script = ("import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"
                   "assert mc.run(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)], photons=1000)).photons == 1000")
         subprocess.run([sys.executable, "-c", script, sys.path[0]], check=True,
                        env={**os.environ, "LD_PRELOAD": os.environ["SYSTEM_FAULT"], "CML_LOCKS": "95"})
 
     def test_names_that_are_no_utf8(self):
-        """--json and the summary show their bytes as \\xNN."""
+        """--json and the summary show bytes of names that are not UTF-8 as \\xNN."""
         scene = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)], photons=100)
         with tempfile.TemporaryDirectory() as folder:
             strange = os.path.join(folder, os.fsdecode(b"caf\xe9 \xc3\xa9\x1b"))

@@ -1,5 +1,5 @@
-"""The Python package against the files and the program: arrays equal what the files hold, scenes say what was meant, runs give what
-the command line gives, an interrupt leaves a checkpoint, and every error names the argument, its value and what was expected."""
+"""Tests of the Python package against files and the program: arrays equal those of files, scenes are written as meant, runs give the results of the
+command line, an interrupt leaves a checkpoint, and every error names the argument, its value and the expectation."""
 import io
 import json
 import os
@@ -23,12 +23,12 @@ SKIN = os.path.join(TOP, "samples", "skin7.mci")
 
 
 def command(*words):
-    """Standard output of the program."""
+    """Returns the standard output of the program."""
     return subprocess.run([find_program(), *words], stdout=subprocess.PIPE, check=True, text=True).stdout
 
 
 def numbers_of(path, key, count):
-    """The first `count` numbers of a section of an .mco, as its text has them."""
+    """Returns the first `count` numbers of a section of an .mco, read from its text."""
     with open(path, encoding="utf-8") as file:
         body = re.split(r"(?m)^%s( #.*)?$" % key, file.read())[-1]
     return [float(word) for word in re.sub("#.*", "", body).split()[:count]]
@@ -40,7 +40,7 @@ class Files(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         octahedron = mc.Mesh(vertices=[[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], scale=0.01, shift=(0.1, 0, -0.05),
                              faces=[[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
-        upwards = mc.Phase("table", angles=[0, 60, 180], densities=[2, 1.5, 0])  # (1 + c) in any scale
+        upwards = mc.Phase("table", angles=[0, 60, 180], densities=[2, 1.5, 0])  # 1 + c, up to a factor
         bodies = [mc.Sphere(0, 0, 0.05, 0.01, 1.5, 3, 40, 0.3333, phase=upwards), mc.Body(octahedron, 1.6, 4, 50, 0.25, union=True)]
         scene = mc.Scene([mc.Layer(1.34, 0.2, 0, 0, 0.02), mc.Layer(1.4, 1, 100, 0.9, 0.1, bodies=bodies, phase=mc.Phase("gk", g=0.9, a=0.5))], photons=2000, nr=7, nz=5, na=3, dr=0.05, dz=0.03,
                          map=mc.Map(4, 3, 0.1, 0.2, angles=True, volume=True), facets=True, format="A",
@@ -95,7 +95,7 @@ class Files(unittest.TestCase):
             self.assertEqual(mco.attrs[name], h5.attrs[name], name)
 
     def test_phases(self):
-        """Of the layer and the first body, whose table was written beside the scene; both files say so, the .h5 without folders."""
+        """Phase functions of a layer and of the first body, a table beside the scene, stand in both files. The .h5 names the table without folders."""
         with open(os.path.join(self.folder.name, "a.layer2body0.phase.txt"), encoding="utf-8") as file:
             self.assertEqual([list(map(float, line.split())) for line in file], [[0, 2], [60, 1.5], [180, 0]])
         layer, body = mc.read(self.h5).phases.splitlines()
@@ -107,7 +107,7 @@ class Files(unittest.TestCase):
                 mc.Phase(**wrong)
 
     def test_backing(self):
-        """Both files say what it was and what it kept; what is no backing is refused."""
+        """Both files name the backing and the light that it kept. Bad backings are refused."""
         mco, h5 = (mc.read(os.path.join(self.folder.name, "backed" + end)) for end in (".mco", ".h5"))
         for data in (mco, h5):
             self.assertEqual(data.phases.strip(), "backing: lambertian, R = 0.5")
@@ -120,7 +120,7 @@ class Files(unittest.TestCase):
                 mc.Backing(**wrong)
 
     def test_time_and_directions(self):
-        """Over their axes, and all of it is there: gates and directions sum to the totals, of which an .mco has six digits."""
+        """Time gates and directions have their axes, and add up to the totals, which an .mco has to six digits."""
         edges = np.linspace(0, np.pi / 2, 4)
         solid = (np.cos(edges[:-1]) - np.cos(edges[1:])) * 2 * np.pi / 4
         for data in (mc.read(os.path.join(self.folder.name, "backed" + end)) for end in (".mco", ".h5")):
@@ -133,7 +133,7 @@ class Files(unittest.TestCase):
             self.assertGreater(float(data.Rd_dir_se.min()) * float(data.Rd_t_se.max()), 0)
 
     def test_detectors(self):
-        """With NA = n one sees what the map sees, bit for bit; one that takes all, all. Both files say the same, and merging is a mean."""
+        """A detector with NA = n equals the map bit for bit; one that takes all light equals Rd + Rsp. Both files agree, and merging is a mean."""
         mco, h5 = (mc.read(os.path.join(self.folder.name, "backed" + end)) for end in (".mco", ".h5"))
         for end in ("", "_se"):
             np.testing.assert_array_equal(h5["detector_cam_map" + end].values, h5["Rd_xy" + end].values)
@@ -157,7 +157,7 @@ class Files(unittest.TestCase):
             np.testing.assert_allclose(both[name], mean, rtol=1e-6, atol=1e-9)
 
     def test_fluence(self):
-        """Over its axes; phi mua is what is absorbed, within the noise of so few packets."""
+        """Fluence has its axes, and phi mua equals the absorption within the noise of few packets."""
         for data in (mc.read(os.path.join(self.folder.name, "backed" + end)) for end in (".mco", ".h5")):
             self.assertEqual((data.phi_rz.dims, data.phi_z.dims), (("r", "z"), ("z",)))
             np.testing.assert_allclose(data.phi_z[:5] * 1, data.A_z[:5], rtol=0.05)
@@ -174,7 +174,7 @@ class Files(unittest.TestCase):
         self.assertEqual(mc.merge([result, mc.run(scene, seed=2)]).attrs["photons"], 2000)
 
     def test_original_mcml(self):
-        """Its files end behind Tt_ra, and have no errors."""
+        """Files of original MCML end after Tt_ra, and have no errors."""
         path = os.path.join(self.folder.name, "old.mco")
         with open(self.mco, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as old:
             old.write(file.read().replace("   Last line: # end", "").split("\n# clustermcml")[0])
@@ -183,7 +183,7 @@ class Files(unittest.TestCase):
         self.assertNotIn("Rd_se", data)
 
     def test_names(self):
-        """The name of the output may be a word, have blanks, or hold what begins a comment."""
+        """The name of the output may be one word, have blanks, or hold a sign that begins a comment."""
         path = os.path.join(self.folder.name, "renamed.mco")
         with open(self.mco, encoding="utf-8") as file:
             text = file.read()
@@ -193,7 +193,7 @@ class Files(unittest.TestCase):
             data = mc.read(path)
             self.assertEqual((data.title, data.photons), (name, 2000))
             xr.testing.assert_equal(data, mc.read(self.mco)[list(data.data_vars)])
-            self.assertEqual(data.lacks, path[:-4] + ".h5")  # which is read if it is of the same run
+            self.assertEqual(data.lacks, path[:-4] + ".h5")  # is read only if it is of the same run
 
     def test_damaged(self):
         path = os.path.join(self.folder.name, "cut.mco")
@@ -241,7 +241,7 @@ class Scenes(unittest.TestCase):
 
     def test_heightmap_lies_as_the_array_says(self):
         heights = np.zeros((5, 7))
-        heights[3, 1] = 0.02  # above the middle, left of it
+        heights[3, 1] = 0.02  # above the middle of the map, left of it
         self.checked(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, mc.Heightmap(heights, 0.1, 0.2))]))
         peak = max(self.vertices(), key=lambda vertex: vertex[2])
         np.testing.assert_allclose(peak, [-0.2, 0.2, 0.02], atol=1e-7)
@@ -253,8 +253,8 @@ class Scenes(unittest.TestCase):
             self.assertIn(f"repeated every {period} cm", self.checked(scene)["boundaries"][0]["reason"])
 
     def test_heights_of_any_kind_of_number(self):
-        """All kinds and orders of arrays write the file that double precision does."""
-        heights = np.array([[0, 1, 2], [3, 0, 1]]) / 1024  # exact in all of them; a hundredth of it is not, in half precision
+        """Arrays of every kind and byte order of number write the same file as double precision."""
+        heights = np.array([[0, 1, 2], [3, 0, 1]]) / 1024  # exact in all kinds of numbers; a hundredth of it is not exact in half precision
         files = []
         for array in (heights, heights.astype("f2"), heights.astype(">f4"), np.asfortranarray(heights), heights.tolist()):
             mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, mc.Heightmap(array, 0.1))]).write(self.path)
@@ -263,7 +263,7 @@ class Scenes(unittest.TestCase):
         self.assertEqual(files, [files[0]] * 5)
 
     def test_faces_of_small_integers(self):
-        """Indices are counted from 1 in the file, without running over."""
+        """Indices of faces, counted from 1 in the file, do not overflow small integers."""
         vertices = np.array([[np.cos(k), np.sin(k), 0] for k in np.arange(255) / 255 * 2 * np.pi] + [[0, 0, 0.1]])
         faces = np.array([[k, (k + 1) % 255, 255] for k in range(255)], dtype="u1")
         told = self.checked(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, mc.Mesh(vertices=vertices, faces=faces))]))
@@ -275,7 +275,7 @@ class Scenes(unittest.TestCase):
                          "H\u00fcgel zwei.mco")
 
     def test_values_from_arrays(self):
-        """numpy's booleans and arrays stand for Python's."""
+        """Booleans and arrays of numpy are taken like Python's."""
         scene = mc.Scene([SLAB], facets=np.True_, beam=mc.Beam(at=np.array([0.1, 0])), map=mc.Map(2, 2, 1, 1, angles=np.True_))
         self.assertIn("beam pencil at=0.1,0\nmap 2 2 1 1 angles\nfacets\n", scene.text("a.mco"))
         several = mc.Scene([SLAB], beam=[mc.Beam(), mc.Beam("rectangle", width=1, height=2, light="na:0.2", z=0.1, angle=120, share=3)])
@@ -330,7 +330,7 @@ class Scenes(unittest.TestCase):
             with self.assertRaisesRegex(mc.InputError, text) as caught:
                 make()
             self.assertNotIn("\n", str(caught.exception))
-        self.assertIn("\n1.4 1 100 0.9 0\n", mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0)]).text("a.mco"))  # as original MCML
+        self.assertIn("\n1.4 1 100 0.9 0\n", mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0)]).text("a.mco"))  # original MCML allows it, too
 
 
 class Runs(unittest.TestCase):
@@ -350,7 +350,7 @@ class Runs(unittest.TestCase):
         self.assertGreater(mine.attrs["steps"], 3000)
 
     def test_nothing_stays_without_a_folder(self):
-        with unittest.mock.patch.object(tempfile, "tempdir", self.folder):  # others make such folders in the common one
+        with unittest.mock.patch.object(tempfile, "tempdir", self.folder):  # other processes make such folders in the common one
             mc.run(mc.Scene([SLAB], photons=100))
         self.assertEqual(os.listdir(self.folder), [])
 
@@ -369,14 +369,14 @@ class Runs(unittest.TestCase):
         self.assertEqual((float(result.layer_mua[0]), float(result.layer_mus[0]), result.reentry), (2, 30.5, 0))
 
     def test_name_without_an_ending(self):
-        """Is that of an .mco."""
+        """An output without an ending is an .mco."""
         path = os.path.join(self.folder, "a.mci")
         with open(path, "w", encoding="utf-8") as file:
             file.write(mc.Scene([SLAB], photons=100, format="A").text("a").replace("a A", '"two words" A'))
         self.assertEqual(mc.run(path).photons, 100)
 
     def test_scenes_of_others_stay(self):
-        """What stands in the folder under the name that a scene is given there is overwritten only where it is of an earlier call."""
+        """A file in the folder with the name of the scene is overwritten only if an earlier call wrote it."""
         path = os.path.join(self.folder, "scene.mci")
         with open(path, "w", encoding="utf-8") as file:
             file.write("mine")
@@ -389,7 +389,7 @@ class Runs(unittest.TestCase):
             self.assertEqual(mc.run(mc.Scene([SLAB], photons=photons), output_dir=self.folder).photons, photons)
 
     def test_two_calls_of_one_folder_at_a_time(self):
-        """Threads: a call gives its own scene's result or is refused."""
+        """Two threads with one folder: a call returns the result of its own scene or is refused."""
         got, refused = [], []
 
         def call(mua):
@@ -408,7 +408,7 @@ class Runs(unittest.TestCase):
         self.assertEqual([text for text in refused if "scene.mci: locked by another call" not in text], [])
 
     def test_another_process_in_the_folder(self):
-        """Is waited for by nobody, and no obstacle when it was killed."""
+        """Another process in the folder makes a call fail at once. If the process was killed, it is no obstacle."""
         script = ("import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"
                   "mc.run(mc.Scene([mc.Layer(1.4, 0, 1000, 0.9, 1)], photons=1e8), output_dir=sys.argv[2])")
         scene = mc.Scene([SLAB], photons=200)
@@ -422,7 +422,7 @@ class Runs(unittest.TestCase):
             process.kill()
         os.kill(program, signal.SIGKILL)
         self.assertRegex(str(caught.exception), "scene.mci: locked by another call")
-        while True:  # until the program's own lock has gone with it
+        while True:  # until the kernel has released the lock of the killed program
             try:
                 self.assertEqual(float(mc.run(scene, output_dir=self.folder).layer_mua[0]), 1)
                 break
@@ -435,7 +435,7 @@ class Runs(unittest.TestCase):
         self.assertEqual(mc.run(mc.Scene([SLAB], photons=200), output_dir=self.folder).photons, 200)
 
     def test_a_result_that_was_replaced(self):
-        """By a run of another scene, between the end of the program and the reading of its result."""
+        """A result is refused if another run replaced it between the end of the program and the reading."""
         for kind in "AB":
             paths = [os.path.join(self.folder, name + ".mci") for name in "ab"]
             for path, layer in zip(paths, (SLAB, mc.Layer(1.4, 2, 100, 0.9, 0.1))):
@@ -469,7 +469,7 @@ class Runs(unittest.TestCase):
 
     def test_notes_are_warnings(self):
         with open(os.path.join(self.folder, "a.mci"), "w", encoding="utf-8") as file:
-            file.write(mc.Scene([SLAB], photons=100).text("a.h5") + "b.mco A\n")  # a second run, beyond the number of runs
+            file.write(mc.Scene([SLAB], photons=100).text("a.h5") + "b.mco A\n")  # a second run, more than the file announces
         with self.assertWarnsRegex(UserWarning, "a.mci"):
             mc.run(os.path.join(self.folder, "a.mci"), output_dir=self.folder)
 
@@ -479,7 +479,7 @@ class Runs(unittest.TestCase):
         said = {name: json.loads(command(name, path, "--json")) for name, path in (("check", SKIN), ("exact", two))}
         mine = mc.check(SKIN)
         for check in (mine[0], said["check"]):
-            check.pop("memory_bytes")  # what a process holds, and how long it took, is its own
+            check.pop("memory_bytes")  # memory and time differ between processes
             for boundary in check["boundaries"]:
                 boundary.pop("build_s")
         self.assertEqual(mine, [said["check"]])
@@ -500,9 +500,9 @@ class Runs(unittest.TestCase):
             paths.append(os.path.join(folder, "scene.h5"))
         self.assertEqual(mc.compare(*paths), json.loads(command("compare", *paths, "--json")))
         mc.run(mc.Scene([mc.Layer(1.4, 9, 100, 0.9, 0.1)], photons=1000), output_dir=os.path.join(self.folder, "1"))
-        self.assertFalse(mc.compare(*paths)["agree"])  # and is no failure
+        self.assertFalse(mc.compare(*paths)["agree"])  # a difference is no failure
         with self.assertRaisesRegex(mc.InputError, "scene.h5"):
-            mc.merge(paths)  # of two scenes
+            mc.merge(paths)  # the results are of two scenes
         mine = mc.run(mc.Scene([SLAB], photons=1000), output_dir=os.path.join(self.folder, "1"))
         joined = mc.merge([mine, paths[1]])
         self.assertAlmostEqual(float(joined.Rd), np.mean([mc.read(path).Rd for path in paths]), 12)
@@ -514,12 +514,12 @@ class Runs(unittest.TestCase):
         with self.assertRaisesRegex(mc.InputError, "^Scene: boundary 0: its surface"):
             mc.check(mc.Scene([mc.Layer(1.4, 1, 10, 0, 0.1, top=mc.Mesh(vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces=[[0, 0, 1]]))]))
         with open(os.path.join(self.folder, "a.mci"), "w", encoding="utf-8") as file:
-            file.write(mc.Scene([SLAB], photons=100).text("a.h5") + "b.mco A\n")  # a second run, beyond the number of runs
+            file.write(mc.Scene([SLAB], photons=100).text("a.h5") + "b.mco A\n")  # a second run, more than the file announces
         with self.assertWarnsRegex(UserWarning, "a.mci"):
             mc.check(os.path.join(self.folder, "a.mci"))
 
     def test_rows_of_files(self):
-        """An .asc and a Heightmap: the first row of the file is the last of the array."""
+        """Rows of an .asc run downwards: the first row of the file is the last row of a Heightmap's array."""
         path = os.path.join(self.folder, "scan.asc")
         with open(path, "w", encoding="utf-8") as file:
             file.write("ncols 4\nnrows 3\ncellsize 0.1\n" + "2.5 2.5 0 0\n" * 2 + "0 0 0 5\n")
@@ -530,7 +530,7 @@ class Runs(unittest.TestCase):
         self.assertGreater(float(one.sum()), 0)
 
     def test_sweep(self):
-        """Every combination is the run with these values."""
+        """Every combination of a sweep equals the run with these values."""
         scene = mc.Scene([SLAB, mc.Layer(1.5, 0.2, 10, 0, 0.1)], photons=500, nr=4, nz=3, na=2)
         swept = mc.sweep(scene, {"layer2.mua": [0.5, 0.1], "layer1.d": [0.1, 0.2, 0.3]})
         self.assertEqual(swept.Rd_ra.dims, ("layer2.mua", "layer1.d", "r", "alpha"))
@@ -545,7 +545,7 @@ class Runs(unittest.TestCase):
     def test_sweep_leaves_out_what_not_all_rows_have(self):
         hill = mc.Layer(1.4, 1, 100, 0.9, 0.1, mc.Heightfield([0, 0.1], [0.02, 0]))
         scene = mc.Scene([hill], photons=100, facets=True, map=mc.Map(2, 2, 0.1, 0.1))
-        for heights in ([1, 0], [0, 1]):  # a hill without a height is a plane
+        for heights in ([1, 0], [0, 1]):  # a hill of height 0 is a plane
             with self.assertWarnsRegex(UserWarning, "boundary0_Rd .*: left out"):
                 swept = mc.sweep(scene, {"boundary0.height": heights})
             self.assertEqual((swept.boundary1_exitance_below.dims[0], "boundary0_Rd" in swept), ("boundary0.height", False))
@@ -569,7 +569,7 @@ class Runs(unittest.TestCase):
             mc.sweep(scene, {"seed": [1]}, variables=["Rx"])
 
     def shown_of(self, call):
-        """What is written to standard error with progress=True."""
+        """Returns the text on standard error when `call` runs with progress=True."""
         shown, real = io.StringIO(), sys.stderr
         sys.stderr = shown
         try:
@@ -579,7 +579,7 @@ class Runs(unittest.TestCase):
         return shown.getvalue()
 
     def test_progress(self):
-        """The program's own bar, and rows of a sweep."""
+        """Progress shows the program's own bar, and the rows of a sweep."""
         thick = os.path.join(TOP, "samples", "thick.mci")
         self.assertRegex(self.shown_of(lambda: mc.run(thick, photons=2e5, threads=1, progress=True)), r"\r\d+ %, .* left")
         rows = self.shown_of(lambda: mc.sweep(mc.Scene([SLAB], photons=100), {"seed": [1, 2]}, progress=True))

@@ -1,4 +1,4 @@
-"""What stands in pictures, asked of matplotlib: styles, ticks, gaps, what grey means; and what is refused.
+"""Tests of pictures, asked of matplotlib: styles, ticks, gaps, the meaning of grey, and refusals.
 
 SPDX-License-Identifier: MIT
 """
@@ -33,7 +33,7 @@ class Pictures(unittest.TestCase):
         return path
 
     def drawn(self, *words):
-        """The figure, with its ticks."""
+        """Returns the figure that the words draw, with its ticks."""
         figures, save = [], plot.save
         plot.save = lambda figure, path: (figure.draw_without_rendering(), figures.append(figure))
         try:
@@ -50,7 +50,7 @@ class Pictures(unittest.TestCase):
 
     @staticmethod
     def pixels(draw):
-        """What a picture in space shows, and calls of Python that it takes."""
+        """Returns the pixels of a picture in space, and the number of Python calls that drawing takes."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
         canvas = FigureCanvasAgg(Figure())
@@ -62,8 +62,8 @@ class Pictures(unittest.TestCase):
         return np.asarray(canvas.buffer_rgba()).copy(), sum(entry.callcount for entry in profile.getstats())
 
     def test_facets_are_those_of_matplotlib(self):
-        """Triangles and quads, each alone and mixed, against matplotlib's own collection, which sorts them one by one; a call of Python for each
-        facet would take most of a picture's time."""
+        """Triangles and quads, alone and mixed, look as in matplotlib's own collection, which sorts them one by one. A Python call for each facet
+        would take most of the time."""
         import matplotlib
         from mpl_toolkits.mplot3d.art3d import Poly3DCollection
         from clustermcml.facets import Mesh, draw_mesh
@@ -73,7 +73,7 @@ class Pictures(unittest.TestCase):
         quads = [np.array([i, i + n, i + n + 1, i + 1]) for i in range(n * n - n) if i % n < n - 1]
         triangles = [quad[[0, *half]] for quad in quads for half in ((1, 2), (2, 3))]
         norm = matplotlib.colors.Normalize(0, 1)
-        self.pixels(lambda axes: None)  # imports
+        self.pixels(lambda axes: None)  # imports matplotlib's modules before calls are counted
         for facets in (triangles, quads, [*quads[:200], *triangles[400:]]):
             mesh = Mesh(points, np.concatenate(facets), np.cumsum([len(facet) for facet in facets]), rng.random(len(facets)))
             def theirs(axes):
@@ -88,7 +88,7 @@ class Pictures(unittest.TestCase):
 
     @staticmethod
     def shaded(mesh, facets, norm):
-        """Colours of facets in light from the left, one by one."""
+        """Returns colours of facets in light from the left, computed one by one."""
         import matplotlib
         colours = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]](norm(mesh.values))
         for colour, facet in zip(colours, facets):
@@ -131,7 +131,7 @@ class Pictures(unittest.TestCase):
         self.assertGreater(axes.get_ylim()[0], numbers[lit].min() / 2)
 
     def test_grey_says_what_it_is(self):
-        """Bins that two layers share have no fluence."""
+        """Grey bins are explained: bins that two layers share have no fluence."""
         for scale, words in (("--linear", "not known"), ("--log", "no light or not known")):
             label = self.drawn(self.result, "--of", "fluence_rz", scale).axes[-1].get_ylabel()
             self.assertTrue(label.endswith("; grey: " + words), label)

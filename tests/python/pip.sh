@@ -1,7 +1,7 @@
 #!/bin/sh
-# pip install . into clean virtual environments, of every Python from 3.9 on that is here; then five lines and a picture, and the first
-# reader of samples/output.md, which needs nothing else. The notebook of samples runs from its first cell to its last, and trimesh reads an STL.
-# Skipped without a package registry.
+# Installs the package by pip into clean virtual environments, with every Python from 3.9 on that this machine has. Then
+# five lines of Python draw a picture, and the first reader of samples/output.md runs, which needs nothing else. The
+# notebook of samples runs from first to last cell, and trimesh reads an STL file. Skipped without a package registry.
 # SPDX-License-Identifier: MIT
 set -u
 here=$PWD

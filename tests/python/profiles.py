@@ -1,5 +1,7 @@
-"""Subsurface profiles: totals, what was put into made profiles comes out of fits, files, and messages. With the argument `long N [M]`: N random
-materials, flown with the default error and again with M packets of another seed; L1 as printed must hold there."""
+"""Tests of subsurface profiles: totals, fits that recover made profiles, files, and messages.
+
+With the argument `long N [M]`: N random materials, each with the default error and again with M packets of another seed. The printed L1 must hold
+for the second profile."""
 import contextlib
 import io
 import json
@@ -24,7 +26,7 @@ def slab(top=None, **values):
 
 
 def made(kind, weights, lengths, photons=0.0, seed=0):
-    """Shares of a sum whose parameters are known; with packets, those of a sample."""
+    """Returns a profile whose parameters are known. With photons > 0, returns a random sample of so many packets."""
     light = np.asarray(weights) @ shares_of(kind, EDGES, np.asarray(lengths))
     if not photons:
         return Shares(EDGES, light, 1e-3 * np.sqrt(np.abs(light)))
@@ -38,7 +40,7 @@ def of_csv(path):
 
 class Flights(unittest.TestCase):
     def test_all_of_the_light_is_there(self):
-        """Rings and what lies beyond them are Rd, and that is adding-doubling's."""
+        """Light in the rings and beyond them adds up to Rd, which is Rd by adding-doubling."""
         for light in ("normal", "diffuse"):
             found = mc.profile(slab(), light, target_error=None)
             r = found.r.values
@@ -57,10 +59,10 @@ class Flights(unittest.TestCase):
         np.testing.assert_array_equal(a.S.values, b.S.values)
         width, other = 2 * a.r.values[0], mc.profile(slab(), target_error=None, seed=7)
         below = np.interp(np.append(0, a.r.values + width / 2), np.append(0, other.r.values + other.r.values[0]), np.append(0, other.cdf.values))
-        shares = np.diff(below)[:200].reshape(20, 10).sum(axis=1)  # tens of bins, which may be as wide as the others' own
+        shares = np.diff(below)[:200].reshape(20, 10).sum(axis=1)  # groups of ten bins; the bins themselves may have other widths in both profiles
         mine = (a.S * 2 * np.pi * a.r * width / a.Rd).values[:200].reshape(20, 10).sum(axis=1)
         error = np.sqrt(((a.S_se * 2 * np.pi * a.r * width / a.Rd).values[:200].reshape(20, 10) ** 2).sum(axis=1) * 2)
-        self.assertLess((((mine - shares) / error) ** 2).sum(), 45)  # of 20: one in 1000 is above
+        self.assertLess((((mine - shares) / error) ** 2).sum(), 45)  # of 20 degrees of freedom: one value in 1000 is above
 
     def test_rounds_until_the_noise_is_small(self):
         one = mc.profile(slab(), target_error=None)
@@ -72,7 +74,7 @@ class Flights(unittest.TestCase):
         self.assertTrue(2 < float(found.photons) / float(one.photons) < 4, float(found.photons))
 
     def test_tiles_are_means_over_their_period(self):
-        """Those that are nearly flat are a plane; the light of rough ones is that of a beam over a period."""
+        """Nearly flat tiles give the profile of a plane. Rd of rough tiles equals that of a beam over a period."""
         heights = np.zeros((8, 8))
         heights[::2] = 1e-7
         flat = mc.profile(slab(mc.Heightmap(heights, dx=0.05, tile=True)), target_error=None)
@@ -105,7 +107,7 @@ class Fits(unittest.TestCase):
             self.assertLess(found.L1, 1e-6)
 
     def test_a_fourth_exponential_where_three_are_off(self):
-        """Of layers that differ much, as one of the random materials has them."""
+        """A fourth exponential is fitted to layers that differ much, as in one of the random materials."""
         weights, lengths = [0.1, 0.31, -0.55, 1.14], [0.006, 0.027, 0.128, 0.232]
         found = fit_sum("exponentials", made("exponentials", weights, lengths))
         np.testing.assert_allclose(found.weights, weights, atol=0.01)
@@ -124,7 +126,7 @@ class Fits(unittest.TestCase):
         np.testing.assert_allclose([*found.weights, *found.lengths], [0.3, 0.5, 0.2, 0.05, 0.15, 0.4], rtol=1e-3)
 
     def test_errors_are_the_spread_of_samples(self):
-        """Of 20 samples of 1e5 packets: their spread is known to 16 %, of 40 (with ALL_CASES) to 11 %."""
+        """Errors of fits equal the spread of 20 samples of 1e5 packets, known to 16 %. With ALL_CASES, 40 samples know it to 11 %."""
         samples, most = (40, 0.3) if "ALL_CASES" in os.environ else (20, 0.45)
         for kind, fit in (("burley", fit_burley), ("exponentials", lambda profile: fit_sum("exponentials", profile, 2))):
             found = [fit(made("exponentials", [0.25, 0.75], [0.1, 0.3], 1e5, seed)) for seed in range(samples)]
@@ -134,20 +136,20 @@ class Fits(unittest.TestCase):
         np.testing.assert_allclose(np.mean([one.weights_se for one in found], axis=0), spread, rtol=most)
 
     def test_no_sum_is_negative(self):
-        """Light in a ring alone and light that is 0 in the middle and noisy, are nearest to sums that are negative inside: those are not taken."""
+        """Fitted sums are nowhere negative, even for light in a ring alone, and for noisy light that is 0 in the middle."""
         light = np.where((EDGES[:-1] > 0.4) & (EDGES[:-1] < 0.6), 1.0, 0.0)
         light = np.append(light / light.sum(), 0.0)
         found = fit_sum("exponentials", Shares(EDGES, light, np.full(401, 1e-3)))
         self.assertGreaterEqual(lowest(found.weights, found.lengths), -1e-9)
         self.assertLess(lowest(np.array([-2.0, 3.0]), np.array([0.1, 0.3])), -0.1)
-        weights, lengths = [-0.32, 0.82, 0.5], [0.03, 0.1, 0.25]  # r S is -0.1 of its largest at r = 0
+        weights, lengths = [-0.32, 0.82, 0.5], [0.03, 0.1, 0.25]  # r S at r = 0 is -0.1 of its largest value
         self.assertLess(lowest(np.array(weights), np.array(lengths)), -0.01)
         found = fit_sum("exponentials", made("exponentials", weights, lengths))
         self.assertEqual((len(found.weights), bool(lowest(found.weights, found.lengths) >= -1e-9)), (3, True))
         self.assertLess(found.L1, 0.015)
 
     def test_the_walk_is_the_material_where_that_is_one(self):
-        """Lengths of a walk are found again in bins of another width, and albedo and mean free path of a flown one."""
+        """A random walk is found again: its lengths in bins of another width, and the albedo and mean free path of a simulated one."""
         walk = made("exponentials", [0.25, 0.75], [0.1, 0.3])
         profile = Shares(0.05 * EDGES, (walk.light), walk.light_se)
         self.assertAlmostEqual(scaled(profile, walk)[0], 0.05, 9)
@@ -168,7 +170,7 @@ class Files(unittest.TestCase):
         self.addCleanup(short.stop)
 
     def test_what_is_printed_is_what_the_table_says(self):
-        """L1 of all curves, recomputed from the .csv with the parameters of the .json."""
+        """The printed L1 of all curves equals L1 computed from the .csv with the parameters of the .json."""
         with tempfile.TemporaryDirectory() as folder:
             found = mc.profile(slab(), target_error=None)
             paths = [os.path.join(folder, name) for name in ("a.csv", "a.json", "a.svg", "b.csv", "b.json", "b.svg")]
@@ -217,7 +219,7 @@ class Files(unittest.TestCase):
         self.assertTrue(told["Rd"][0] > told["Rd"][1] > told["Rd"][2])
 
     def test_the_sample_has_twelve_sound_materials(self):
-        """Each with a source, and channels that its scene has; all of r g b scatter."""
+        """samples/materials.py has twelve materials, each with a source and channels that its scene knows. Every r, g and b scatters."""
         with unittest.mock.patch.object(sys, "path", [os.path.join(TOP, "samples"), *sys.path]):
             import materials
         self.assertEqual((len(materials.MATERIALS), len({one.name for one in materials.MATERIALS})), (12, 12))
@@ -264,19 +266,19 @@ class Files(unittest.TestCase):
 
 
 def called(*words):
-    """Exit code, standard output and standard error of a command of the package."""
+    """Returns the exit code, standard output and standard error of a command of the package."""
     with unittest.mock.patch.object(sys, "argv", ["clustermcml", *words]), contextlib.redirect_stdout(io.StringIO()) as said, contextlib.redirect_stderr(io.StringIO()) as error:
         try:
             code = main()
         except SystemExit as ended:
             code = ended.code
-        except mc.ClustermcmlError as refused:  # words that no command takes
+        except mc.ClustermcmlError as refused:  # words that no command accepts
             code = refused.exit_code
     return code, said.getvalue(), error.getvalue()
 
 
 def random_material(draw):
-    """1 to 3 layers of one index, the last of them a half space; albedos from dark to white."""
+    """Returns a scene of 1 to 3 layers of one index, the last one infinitely deep, with albedos from dark to white."""
     n, layers = draw.uniform(1, 1.6), []
     count = draw.integers(1, 4)
     for k in range(count):
@@ -287,7 +289,7 @@ def random_material(draw):
 
 
 def again(scene, width, photons):
-    """The profile of another seed, in bins of the same width: curves that have no peak at r = 0 are the further off there, the finer bins are."""
+    """Returns the profile of another seed in bins of the same width, because L1 of a curve without a peak at r = 0 grows as bins get finer."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "scene.mci")
         scene.write(path)
@@ -296,8 +298,10 @@ def again(scene, width, photons):
 
 
 def long(count, photons):
-    """Materials whose printed L1 does not hold, by curve. L1 has the noise of its own flight in it: that is taken out, and the other's put in. It
-    holds within a fifth; of what is below the own noise, within a fifth of that."""
+    """Returns the random materials whose printed L1 does not hold for the profile of another seed, by curve.
+
+    The printed L1 contains the noise of its own flight, which is replaced by the noise of the other. L1 must hold within a fifth. If it is below
+    its own noise, it must hold within a fifth of that noise."""
     draw, wrong, worst = np.random.default_rng(20), [], 0.0
     for number in range(count):
         scene = random_material(draw)

@@ -1,6 +1,7 @@
-"""Files that are no results of ours: `read` gives a Dataset or an InputError of one line, whatever stands in the file. It follows
-nothing out of the file, reads no pipe, and takes no more memory than the file can hold. Crafted files with their messages, then
-files that are mangled at random. strange_files.py [NUMBER of mangled files of each kind]"""
+"""Tests of files that are no results: `read` returns a Dataset or raises an InputError of one line, whatever the file holds.
+
+`read` follows no link out of the file, reads no pipe, and takes no more memory than the file can hold. Crafted files with their messages come
+first, then files that are damaged at random. Usage: strange_files.py [NUMBER of damaged files of each kind]"""
 import os
 import random
 import re
@@ -19,13 +20,13 @@ SECRET = 12345.678
 
 
 def replace(file, name, **what):
-    """A data set in the place of another, without axes."""
+    """Replaces a data set by another without axes."""
     del file[name]
     return file.create_dataset(name, **what)
 
 
 def promise(file, name, shape, layout):
-    """A data set of that shape of which nothing is stored."""
+    """Replaces a data set by one of that shape of which nothing is stored."""
     del file[name]
     plan = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     if layout == "chunked":
@@ -61,7 +62,7 @@ class Crafted(unittest.TestCase):
             with open(os.path.join(cls.folder.name, "scene." + end), "rb") as file:
                 cls.sound[end] = file.read()
         cls.whole = cls.sound["mco"]
-        cls.sound["mco"] = re.sub(rb"# more of this run stands .*\n", b"", cls.whole)  # without the .h5 beside it
+        cls.sound["mco"] = re.sub(rb"# more of this run stands .*\n", b"", cls.whole)  # a copy that does not refer to an .h5 file beside it
         cls.other = os.path.join(cls.folder.name, "other.h5")
         with h5py.File(cls.other, "w") as file:
             file["Rd_r"] = np.full(7, SECRET)
@@ -84,7 +85,7 @@ class Crafted(unittest.TestCase):
         self.assertNotIn("\n", str(caught.exception))
 
     def test_a_bit_of_a_single_number(self):
-        """No chunk has a checksum of it, so the header of its data set must hold it."""
+        """A flipped bit of a single number is found. No chunk has a checksum of such a number; the header of its data set has."""
         path = self.write("h5", self.sound["h5"])
         with h5py.File(path) as file:
             numbers = {name: item[()] for name, item in file.items() if isinstance(item, h5py.Dataset) and item.shape == ()}
@@ -139,7 +140,7 @@ class Crafted(unittest.TestCase):
                 self.refused(path, r"strange\.h5: not an \.h5 file of a result .*" + text)
 
     def test_a_value_many_times(self):
-        """The sum of what is promised is bounded, too."""
+        """A value that is linked many times is refused: the sum of all promised bytes is bounded."""
         path = self.write("h5", self.sound["h5"])
         with h5py.File(path, "r+") as file:
             big = file.create_dataset("big", data=np.zeros(100000), chunks=(100000,), compression=9)
@@ -172,7 +173,7 @@ class Crafted(unittest.TestCase):
                 self.refused(self.write("mco", text.replace(old, new, -1 if old == "\n" else 1).encode()), r"strange\.mco.*" + said)
 
     def test_mco_beside_another_h5(self):
-        """Only an .h5 of the same run is read; a damaged one is refused."""
+        """Only an .h5 of the same run is read beside an .mco. A damaged one is refused."""
         beside = self.write("h5", self.sound["h5"])
         self.assertIn("A_body", mc.read(self.write("mco", self.whole)))
         with self.assertWarnsRegex(UserWarning, "of another run"):
@@ -184,7 +185,8 @@ class Crafted(unittest.TestCase):
             self.assertEqual(mc.read(self.write("mco", self.whole)).lacks, beside)
 
     def test_mco_as_the_program_takes_them(self):
-        """With the ends of lines of others and a byte order mark; of two sections of a name the first counts; text behind a number is a comment."""
+        """An .mco is read as the program reads it: with other ends of lines, with a byte order mark, with comments after numbers. Of two equal
+        sections the first counts."""
         text, sound = self.sound["mco"], mc.read(self.write("mco", self.sound["mco"]))
         for other in (text.replace(b"\n", b"\r\n"), b"\xef\xbb\xbf" + text, text.replace(b"\nse_RAT ", b"\nRAT #\n1\n2\n3\n4\n\nse_RAT "),
                       text.replace(b"\n300 ", b"\n3e2 photons ")):
@@ -201,7 +203,7 @@ class Crafted(unittest.TestCase):
         self.assertEqual(mc.read(path).title, "a\u2028b\x0c.mco")
 
     def mangle(self, dice, content):
-        """A few bytes or words changed, a piece cut out, doubled, or moved."""
+        """Returns the content with a few bytes or words changed, or a piece cut out, doubled, or moved."""
         changed = bytearray(content)
         for _ in range(dice.choice((1, 1, 2, 8))):
             at, to = sorted(dice.randrange(len(changed) + 1) for _ in range(2))

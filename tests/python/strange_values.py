@@ -1,5 +1,6 @@
-"""Values that are none: whatever stands in an argument, an object is made and written, or an InputError of one line says what was
-expected. No other exception leaves the package, and no wrong value reaches the program in silence."""
+"""Tests of strange arguments: each makes an object that can be written, or an InputError of one line that says what was expected.
+
+No other exception leaves the package, and no wrong value reaches the program silently."""
 import dataclasses
 import decimal
 import os
@@ -22,7 +23,7 @@ SOUND = [
     mc.Phase("hg2", g1=0.9, g2=-0.4, w=0.95), mc.Phase("table", angles=[0, 180], densities=[1, 1]), mc.Beam("disk", 0.5), mc.Beam("ring", r1=0.1, r2=0.2),
     mc.Map(3, 3, 0.1, 0.1, volume=True), mc.Time(100, 5), mc.Directions(2, 2), mc.Backing("metal", n=0.2, k=3.0), mc.Backing("mirror", R=0.5),
     mc.Detector("disk", radius=0.1, na=0.2), mc.Detector("map", nx=2, ny=2, dx=0.1, dy=0.1), mc.Saved("exits"), mc.Scene([LAYER], photons=100)]
-CALLS = {  # each with the arguments that stay, and those that become strange
+CALLS = {  # each call with the arguments that stay, and those that become strange
     mc.run: ({"scene": mc.Scene([LAYER], photons=100)}, ("scene", "output_dir", "seed", "photons", "set", "roulette", "engine", "target_error", "resume")),
     mc.sweep: ({"scene": mc.Scene([LAYER], photons=100), "parameters": {"layer1.mua": [1, 2]}}, ("parameters", "dim", "coords", "variables", "output_dir")),
     mc.check: ({"scene": mc.Scene([LAYER], photons=100)}, ("scene", "sweep")),
@@ -47,7 +48,7 @@ class StrangeValues(unittest.TestCase):
             except mc.ClustermcmlError as error:
                 self.assertEqual(len(str(error).splitlines()), 1, f"{what}: {error}")
                 str(error).encode("utf-8")
-            except Exception as error:  # what this test is for
+            except Exception as error:  # any exception but InputError is a failure
                 self.fail(f"{what}: {type(error).__name__}: {error}")
         return None
 

@@ -1,4 +1,4 @@
-"""Sweeps over the rows of a table: each is the run with its values, and labels are carried along."""
+"""Tests of sweeps over the rows of a table: each row equals the run with its values, and labels are carried along."""
 import os
 import subprocess
 import sys
@@ -21,7 +21,7 @@ MUA, MUS, NM, LEAF = [0.5, 1, 0.5], [100, 50, 20], [450, 500, 550], ["young", 'o
 
 class Tables(unittest.TestCase):
     def check_rows(self, swept, dim):
-        """Each row is the run with these values."""
+        """Checks that each row equals the run with these values."""
         self.assertEqual(swept.Rd_ra.dims, (dim, "r", "alpha"))
         for i, (mua, mus) in enumerate(zip(MUA, MUS)):
             row = swept.isel({dim: i})
@@ -30,7 +30,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(swept["layer1.mus"].dims, (dim,))
 
     def test_rows_of_one_flight(self):
-        """Each is a flight of its own, within 5 errors, and in its place."""
+        """Rows of one flight, by reweighting, lie within 5 errors of rows with flights of their own, in the same order."""
         scene = mc.Scene([mc.Layer(1.4, 0.1, 50, 0.8, 0.1)], photons=20000, time=mc.Time(end=30, n=4), detectors=[mc.Detector("disk", radius=0.1, name="a")])
         values = {"layer1.mua": [2, 0.2], "layer1.mus": [30, 50]}
         swept, own = mc.sweep(scene, values, reweight=True), mc.sweep(scene, values, seed=2)
@@ -86,7 +86,7 @@ class Tables(unittest.TestCase):
                 mc.Layer(1.4, 1, 100, 0.9, 0.1, name=name)
 
     def test_labels_reach_the_table(self):
-        """Whose own words they are, so that it can be flown again."""
+        """Labels stand in the table of a sweep in their own words, so that the table can be flown again."""
         with tempfile.TemporaryDirectory() as folder:
             mc.sweep(slab(), {"layer1.mua": MUA, "leaf": LEAF, "nm": NM}, coords=["leaf", "nm"], output_dir=folder)
             table = pd.read_csv(os.path.join(folder, "scene.sweep.csv"))
@@ -97,7 +97,7 @@ class Tables(unittest.TestCase):
                 self.assertEqual(("leaf" in told, list(told.nm), told.nm.dims), (False, NM, ("row",)))
 
     def test_the_program_carries_labels(self):
-        """In a full grid, whose axes they are not."""
+        """The program carries labels through a full grid, in which they are no axes."""
         with tempfile.TemporaryDirectory() as folder:
             slab().write(os.path.join(folder, "a.mci"))
             with open(os.path.join(folder, "t.csv"), "w", encoding="utf-8") as file:

@@ -1,8 +1,12 @@
-/* atlas SCENE.mci METHOD AIM[,AIM...] CROSSINGS [SECONDS [FLIGHTS]]: flies the scene's first run by a method,
- * packets aimed as asked (face, edge, vertex, drop, along, or an angle in rad), until CROSSINGS boundaries
- * are crossed, FLIGHTS (20) are flown for each of them, or SECONDS (0: any number) are over. Prints for each
- * aim: crossings,lost,wrong,missed,spurious,nan,trapped,flights,cause Ends with 2 and a message when the
- * program refuses the scene or the method cannot represent it. SPDX-License-Identifier: MIT */
+/* Runs one method on a scene for the atlas of stability: atlas SCENE.mci METHOD AIM[,AIM...] CROSSINGS
+ * [SECONDS [FLIGHTS]].
+ *
+ * Simulates the scene's first run with packets aimed as asked (face, edge, vertex, drop, along, or an angle
+ * in rad). Each aim ends when CROSSINGS boundaries are crossed, when FLIGHTS (20) are flown for each of
+ * them, or after SECONDS (0: no limit). Prints for each aim:
+ * crossings,lost,wrong,missed,spurious,nan,trapped,flights,cause. Exit code 2 with a message if the program
+ * refuses the scene or the method cannot represent it.
+ * SPDX-License-Identifier: MIT */
 #include "atlas.h"
 #include "engine/cpu/engine_cpu.h"
 #include "input/mci.h"
@@ -42,7 +46,7 @@ static bool find_aim(const char *name, struct atlas_flight *flight)
     return flight->angle > 0;
 }
 
-/* Of the fastest level that this machine can run. */
+/* Returns the walk of the fastest level of the processor that this machine can run. */
 static atlas_fly *find_walk(bool in_double)
 {
 #ifdef ATLAS_X86_LEVELS
@@ -64,7 +68,7 @@ static void print_count(const struct atlas_count *count)
            (unsigned long long)count->steps, count->lost ? cml_lost_cause_name(count->lost_cause) : "");
 }
 
-/* One line of counts for each of the aims, which commas separate. */
+/* Prints one line of counts for each aim in the comma-separated names. */
 static cml_status fly_aims(const struct method *method, char *names, struct atlas_flight *flight,
                            struct cml_error *err)
 {

@@ -1,14 +1,12 @@
-"""The atlas: every situation by every method, and what went wrong in it.
+"""The atlas: simulates every situation by every method, and counts what goes wrong.
 
-    atlas.py PROGRAM WALKER [--out FILE.csv] [--crossings N] [--seconds S] [--natural] [--full] [--only WORD,...] [--test]
+  atlas.py PROGRAM WALKER [--out FILE.csv] [--crossings N] [--seconds S] [--natural] [--full] [--only WORD,...] [--test]
 
-PROGRAM is clustermcml, WALKER the harness stability_atlas. Each cell ends after N crossings or S seconds. --natural
-flies only what is aimed at nothing in particular, N crossings in all: every cell gets at least FLOOR of an equal share,
-the rest goes to those that need few flights for a crossing. --full adds meshes of 1e6 and 1e7 triangles. --only flies
-the situations that have one of the words in their name.
---test writes nothing and fails when something failed that must not. It flies each situation by one of its methods, the next
-situation by the next method, and every fourth one by the program; all of them where the environment has ALL_CASES.
-Standard library only."""
+PROGRAM is clustermcml, WALKER the harness stability_atlas. Each cell (situation, method, aim) ends after N crossings or S seconds. --natural flies
+only packets that are aimed at any point of a face, N crossings in all. Every cell gets at least FLOOR of an equal share; the rest goes to cells
+that need few flights for a crossing. --full adds meshes of 1e6 and 1e7 triangles. --only selects situations that have one of the words in their
+name. --test writes nothing, and fails if an event happens that must not. Each situation is tested by one of its methods, the next situation by the
+next method, and every fourth one by the program; all methods are tested if the environment has ALL_CASES. Only the standard library is needed."""
 import argparse
 import concurrent.futures
 import csv
@@ -26,11 +24,11 @@ RADIAL = ("reference-cone", "cpu-cone", "reference-mesh", "cpu-mesh")
 MESHES = ("reference-mesh", "cpu-mesh")
 COLUMNS = "situation method aim status crossings lost wrong missed spurious nan trapped flights note".split()
 COUNTS = COLUMNS[4:12]
-STRICT = ("face", "beam", "1e-2")  # nothing may fail; elsewhere the atlas shows what does, and a test what too much is
-FLOOR = 0.7  # 5e6 of 1e9
-PILOT = 20000  # crossings that tell how many flights a cell needs for one; they are flown again
-FLIGHTS, NATURAL_FLIGHTS = 20, 1000  # most for each crossing asked for; the sparsest cells need some 120
-MOST_OF_AIMED = 0.01  # worst of 500 crossings: none at all where a mesh is flown; cones along a ridge 0.1 %
+STRICT = ("face", "beam", "1e-2")  # aims at which no event may happen; at all others a few may
+FLOOR = 0.7  # share of an equal share: 5e6 of 1e9 crossings
+PILOT = 20000  # crossings of the pilot that counts the flights for one crossing in a cell
+FLIGHTS, NATURAL_FLIGHTS = 20, 1000  # most flights for each crossing that is asked for; the sparsest cells need some 120
+MOST_OF_AIMED = 0.01  # for 500 crossings; meshes have no event at all, cones along a ridge have 0.1 %
 
 
 def methods_of(situation):
@@ -51,7 +49,7 @@ def short(message):
 
 
 def patience(situation):
-    """Seconds after which a scene that is read and checked counts as too slow."""
+    """Returns the seconds after which a scene that is only read and checked counts as too slow."""
     return 600 if situation.big else 60
 
 
@@ -63,7 +61,7 @@ def run(command, limit=None):
 
 
 def fly_cell(arguments, situation, path, method, aims, crossings):
-    """A cell for each aim, from one process: it makes the surfaces once."""
+    """Returns a cell for each aim. One process flies all aims, so that surfaces are made once."""
     empty = [{"situation": situation.name, "method": method, "aim": aim, "status": "flown", "note": ""} for aim in aims]
     limit = patience(situation) + 2 * len(aims) * arguments.seconds if arguments.seconds else None
     flights = NATURAL_FLIGHTS if arguments.natural else FLIGHTS
@@ -79,7 +77,7 @@ def fly_cell(arguments, situation, path, method, aims, crossings):
 
 
 def run_program(arguments, situation, path, directory):
-    """The engine itself, and what ignoring the surface would do to Rd."""
+    """Runs the program itself on a situation. The note of the cell says how much Rd would change without the surface."""
     cell = {"situation": situation.name, "method": "program", "aim": "beam", "status": "flown"}
     photons = "2e3" if arguments.test else "2e5" if arguments.natural else "2e4"
     command = [arguments.program, path, "--json", "--quiet", "-o", directory, "--photons", photons]
@@ -108,7 +106,7 @@ def check_refused(arguments, situation, path):
 
 
 def share_out(arguments, pool, cells):
-    """Natural flights: the crossings of every cell. The same on any machine: flights are counted, not timed."""
+    """Returns the crossings of every cell for --natural. They are the same on any machine, because flights are counted, not timed."""
     equal = arguments.crossings / len(cells)
     pilots = list(pool.map(lambda cell: fly_cell(arguments, *cell, min(PILOT, equal))[0], cells))
     ease = [pilot.get("crossings", 0) / max(1, pilot.get("flights", 0)) for pilot in pilots]
@@ -116,7 +114,7 @@ def share_out(arguments, pool, cells):
 
 
 def fly_cells(arguments, pool, cells):
-    """Jobs in the order of the cells; those that fly longest begin first."""
+    """Returns the jobs of all cells in their order. Cells with the fewest crossings begin first, because they need the most flights for each."""
     crossings = share_out(arguments, pool, cells) if arguments.natural else [arguments.crossings] * len(cells)
     order = sorted(range(len(cells)), key=lambda i: crossings[i])
     jobs = {i: pool.submit(fly_cell, arguments, *cells[i], crossings[i]) for i in order}
@@ -146,7 +144,8 @@ def all_cells(arguments, directory):
 
 
 def must_not(cell, refused):
-    """Whether the cell breaks a promise: what is accepted loses nothing and knows where it is."""
+    """True if the cell breaks a promise: an accepted scene loses no packet and knows the medium of each packet, and a scene to be refused is
+    refused."""
     if cell["situation"] in refused:
         return cell["status"] != "refused" or refused[cell["situation"]] not in cell["note"]
     if cell["status"] != "flown" or cell["method"] == "program" and "residue 0" not in cell["note"]:

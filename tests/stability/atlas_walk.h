@@ -1,7 +1,9 @@
-/* atlas.h for one precision; compiled in float and in double, each for several levels of the processor
- * (ATLAS_LEVEL, see CMakeLists.txt), which give the same bits.
- * A position counts as in its medium when it lies on the right side of both boundaries, or within the
- * rounding of its coordinates of the one that it is beyond. SPDX-License-Identifier: MIT */
+/* The functions of atlas.h for one precision. The file is compiled in float and in double, each for several
+ * levels of the processor (ATLAS_LEVEL, see CMakeLists.txt), which give the same bits.
+ *
+ * A position counts as inside its medium if it lies on the right side of both boundaries, or if it is beyond
+ * one of them by less than the rounding of its coordinates.
+ * SPDX-License-Identifier: MIT */
 #include "atlas.h"
 #include "base/clock.h"
 #include "engine/terminated_packets_inl.h"
@@ -11,14 +13,15 @@
 #define PASTE_NAME(precision, level) atlas_fly_##precision##_##level
 #define NAME(precision, level) PASTE_NAME(precision, level)
 
-/* Of the largest coordinate: what a position may be beyond a boundary. */
+/* Distance by which a position may lie beyond a boundary, in units of the rounding of its largest
+ * coordinate. */
 #ifdef CML_DOUBLE
 #define ROUNDINGS 1024
 #else
 #define ROUNDINGS 32
 #endif
-#define MAX_EVENTS 300    /* of one packet, then a new one is aimed */
-#define MAX_ATTEMPTS 1000 /* to find a start in the clear */
+#define MAX_EVENTS 300    /* events of one packet, after which a new packet is aimed */
+#define MAX_ATTEMPTS 1000 /* attempts to find a start that is clearly inside a medium */
 
 struct walker {
     const struct atlas_flight *flight;
@@ -27,8 +30,8 @@ struct walker {
     struct cml_deposits deposits;
     struct dice dice;
     struct cml_packet packet;
-    double scale;  /* thickness of the thickest layer */
-    double extent; /* largest |z| of any boundary in its frame */
+    double scale;  /* thickness of the thickest layer [cm] */
+    double extent; /* largest |z| of any boundary in its own frame [cm] */
     double before; /* largest size of the positions where this flight and the one before it began */
 };
 
@@ -39,8 +42,8 @@ static double size_of(struct cml_vec p)
     return fabs((double)p.x) + fabs((double)p.y) + fabs((double)p.z);
 }
 
-/* A position has the rounding of those that it was flown from, too: near 0 its own coordinates have little.
- */
+/* Returns the rounding of a position, which includes that of the positions that it was flown from. Near 0,
+ * its own coordinates have little rounding. */
 static double rounding(const struct walker *walker, struct cml_vec p)
 {
     const struct cml_setup *setup = &walker->world->setup;
@@ -51,7 +54,8 @@ static double rounding(const struct walker *walker, struct cml_vec p)
     return ROUNDINGS * (double)CML_EPSILON * (size + span + walker->extent);
 }
 
-/* p in the frame of `medium`, seen from boundary b; -1: from its bodies. */
+/* Writes p, from the frame of `medium`, as seen from boundary b. b = -1: as seen from the bodies of the
+ * medium. */
 static void seen_from(const struct walker *walker, int medium, int b, struct cml_vec p, double q[3])
 {
     const struct cml_setup *setup = &walker->world->setup;
@@ -60,7 +64,7 @@ static void seen_from(const struct walker *walker, int medium, int b, struct cml
     q[2] = (double)p.z - (b == medium ? (double)walker->world->media[medium].span : 0);
 }
 
-/* Between the boundaries of a layer; a body lies inside its own. */
+/* True if p lies between the boundaries of a layer. A body lies inside its own layer. */
 static bool in_layer(const struct walker *walker, int medium, struct cml_vec p, bool clearly)
 {
     if (medium > walker->flight->surfaces->count) return true;
@@ -76,7 +80,7 @@ static bool in_layer(const struct walker *walker, int medium, struct cml_vec p, 
     return true;
 }
 
-/* Whether p is in the medium, which its rounding widens, or narrows when `clearly`. */
+/* True if p is in the medium, widened by rounding, or narrowed by rounding if `clearly`. */
 static bool in_medium(const struct walker *walker, int medium, struct cml_vec p, bool clearly)
 {
     double q[3];
@@ -85,7 +89,7 @@ static bool in_medium(const struct walker *walker, int medium, struct cml_vec p,
            oracle_bodies_allow(walker->flight->bodies, medium, q, rounding(walker, p), clearly);
 }
 
-/* Whether z alone says that a point is in the medium, as it says to oracle_below for both boundaries. */
+/* True if z alone shows that a point is in the medium, according to oracle_below for both boundaries. */
 static bool is_in_clear(const struct walker *walker, int medium, real z)
 {
     const bool *hosts = walker->flight->bodies->hosts;
@@ -115,7 +119,7 @@ static real moved_by_ulps(real x, int ulps)
     return x;
 }
 
-/* Bodies count behind the boundaries. */
+/* Returns the index of a random boundary or body. Bodies are counted after the boundaries. */
 static int choose_boundary(struct walker *walker)
 {
     const int boundaries = walker->flight->surfaces->count, bodies = walker->flight->surfaces->bodies.count;
@@ -130,7 +134,8 @@ static double depth_of(const struct walker *walker, int boundary)
                                       : surfaces->bodies.item[boundary - surfaces->count].depth;
 }
 
-/* On a plane within the scene's own scale. */
+/* Returns a random place on a boundary or body, of the kind that the aim asks for. On a plane, it lies
+ * within the scene's own scale. */
 static struct place choose_place(struct walker *walker, int boundary)
 {
     static const enum place_kind kinds[NUM_AIMS] = {
@@ -166,7 +171,7 @@ static void choose_direction(struct walker *walker, const struct place *place, d
     }
 }
 
-/* The medium of a point of the scene; boundaries lie in order. */
+/* Returns the medium of a point of the scene. Boundaries lie in order. */
 static int medium_at(const struct walker *walker, const double s[3])
 {
     int medium = 0;
@@ -180,9 +185,9 @@ static int medium_at(const struct walker *walker, const double s[3])
     return oracle_bodies_medium(walker->flight->bodies, medium, q);
 }
 
-/* A fresh packet `distance` before the place. Its direction is made from its rounded position, so that it
- * passes as exactly through the place as `real` can say; then it is moved by a few units in the last place.
- */
+/* Makes a new packet `distance` before the place. Its direction is computed from its rounded position, so
+ * that it passes through the place as exactly as `real` allows. The packet is then moved by a few units in
+ * the last place. */
 static void aim(struct walker *walker, const struct place *place, int boundary, const double u[3],
                 double distance)
 {
@@ -213,7 +218,7 @@ static void aim(struct walker *walker, const struct place *place, int boundary, 
     packet->boundary_events = packet->medium > 0 || !(packet->u.z > 0);
 }
 
-/* False when no start in the clear was found. */
+/* Aims a new packet. Returns false if no start clearly inside a medium was found. */
 static bool place_packet(struct walker *walker)
 {
     walker->before = 0;
@@ -234,8 +239,8 @@ static bool place_packet(struct walker *walker)
 
 /* ---- flying ---- */
 
-/* Whether a flight to distance t stayed in its medium, at three points of it. Their z lies between those of
- * the ends, rounded as these are. */
+/* True if a flight to distance t stayed in its medium, at three points on the way. Their z lie between those
+ * of the ends, with equal rounding. */
 static bool stayed(const struct walker *walker, const struct cml_packet *from, real t)
 {
     const int medium = from->medium;
@@ -261,7 +266,7 @@ static void cross(struct walker *walker, const struct cml_packet *from, const st
     cml_score_boundary_event(walker->world, &walker->deposits, &walker->packet, hit);
 }
 
-/* One flight, as cml_walk does it, and what the oracle says of it. */
+/* Makes one flight as cml_walk does, and counts the oracle's complaints. */
 static void step(struct walker *walker)
 {
     struct cml_packet *packet = &walker->packet;

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #define MOST_IN_CELL 32
-#define FARTHEST_PERIOD 20 /* from the middle of a tile that packets are aimed at */
+#define FARTHEST_PERIOD 20 /* largest distance of targets from the middle of a tile [periods] */
 
 static void reach_to(struct oracle *oracle, double z)
 {
@@ -34,7 +34,7 @@ void oracle_free(struct oracle *oracle)
 
 /* ---- the side of a mesh ---- */
 
-/* q from the mesh's middle; of a tile, the copy of it that lies over the middle period. */
+/* Writes q relative to the mesh's middle. For a tile, uses the copy of q that lies over the middle period. */
 static void seen_from_middle(const struct oracle *oracle, const double q[3], double local[3])
 {
     cml_vec3_subtract(q, oracle->middle, local);
@@ -49,8 +49,8 @@ static const double *corner_of(const struct oracle *oracle, uint32_t triangle, i
     return oracle->grid.mesh->vertex[oracle->grid.mesh->triangle[triangle][k]];
 }
 
-/* +-1 when the edge passes to the right of q, by the way it runs; neighbours compute the same number, so that
- * every point lies in exactly the triangles of one sheet. */
+/* Returns +-1 if the edge passes to the right of q, by its direction, else 0. Neighbours compute the same
+ * number, so that every point lies in exactly the triangles of one sheet. */
 static int passes(const struct cml_mesh *mesh, uint32_t i, uint32_t j, const double q[3])
 {
     const bool turned = i > j;
@@ -76,7 +76,8 @@ static bool facet_is_above(const struct oracle *oracle, uint32_t triangle, const
     return a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2]) < q[2];
 }
 
-/* Sheets above q and, in *total, all sheets, each with its winding: in total 0 outside the border. */
+/* Returns the sheets above q, each with its winding. *total: all sheets along the vertical, 0 outside the
+ * border. */
 static int sheets_above(const struct oracle *oracle, const double q[3], int *total)
 {
     const struct oracle_grid *grid = &oracle->grid;
@@ -140,7 +141,7 @@ static double distance_to_triangle(const struct oracle *oracle, uint32_t triangl
     return inside ? fabs(cml_vec3_dot(aq, normal)) / sqrt(cml_vec3_dot(normal, normal)) : nearest;
 }
 
-/* Whether the triangle lies farther from q than the distance along one of the axes. */
+/* True if the triangle lies farther from q than the distance along one of the axes. */
 static bool is_apart(const struct oracle *oracle, uint32_t triangle, const double q[3], double distance)
 {
     const double *a = corner_of(oracle, triangle, 0), *b = corner_of(oracle, triangle, 1),
@@ -249,14 +250,15 @@ static void unit(double v[3])
     for (int axis = 0; axis < 3; axis++) v[axis] = size > 0 ? v[axis] / size : axis == 2;
 }
 
-/* Any; of a tile one of its period, every second time one at the seam. */
+/* Returns any triangle of the mesh. For a tile it belongs to one period, and half of the time it lies at the
+ * seam. */
 static uint32_t triangle_to_aim_at(const struct oracle *oracle, struct dice *dice)
 {
     const struct cml_mesh_period *period = cml_mesh_surface_period(oracle->def->mesh);
     const int *n = period->n;
     if (n[0] == 0) return (uint32_t)dice_below(dice, (int)oracle->grid.mesh->num_triangles);
     int cell[2] = {dice_below(dice, n[0]), dice_below(dice, n[1])};
-    const int seam = dice_below(dice, 8); /* along one axis, or the other, or both: a corner of the tile */
+    const int seam = dice_below(dice, 8); /* seam along one axis, the other, or both (a corner of the tile) */
     for (int axis = 0; axis < 2; axis++)
         if (seam == axis || seam == 2 + axis || seam == 4) cell[axis] = dice_below(dice, 2) * (n[axis] - 1);
     const int primitive = 2 * (cell[1] * n[0] + cell[0]) + dice_below(dice, 2);
@@ -287,7 +289,8 @@ static struct place place_on_mesh(const struct oracle *oracle, enum place_kind k
     return place;
 }
 
-/* Every second time on one of the axes, where x or y is 0 and r is exact. */
+/* Returns a random place on rings. Half of the time it lies on a coordinate axis, where x or y is 0 and r is
+ * exact. */
 static struct place place_on_rings(const struct cml_surface_def *def, enum place_kind kind, struct dice *dice)
 {
     const int i = dice_below(dice, def->num_rings), j = i + 1 < def->num_rings ? i + 1 : i - 1;

@@ -1,5 +1,6 @@
-/* Where a point is, told without any of the program's ray code: on which side of a boundary, and how near. In
- * double precision, by counting what lies above the point. SPDX-License-Identifier: MIT */
+/* An oracle that tells where a point is, without any of the program's ray code: on which side of a boundary,
+ * and how near. It works in double precision, by counting surfaces above the point.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "lib/dice.h"
@@ -7,27 +8,29 @@
 #include "oracle_grid.h"
 #include "surface/surface.h"
 
-/* One boundary, in its own frame but with x and y of the scene. Borrows the arrays of the surface. */
+/* One boundary in its own frame, with x and y of the scene. Borrows the arrays of the surface. */
 struct oracle {
     const struct cml_surface_def *def;
-    struct oracle_grid grid; /* CML_SURFACE_MESH, a sheet or closed: then below it is inside */
-    double middle[3];        /* of the mesh's coordinates */
-    double period[2];        /* of a tile, about that middle, cm; 0: nothing is repeated */
-    double highest, lowest;  /* z of its topmost and its deepest point; above and below nothing is asked */
+    struct oracle_grid
+        grid;               /* for CML_SURFACE_MESH, a sheet or a closed mesh, for which below means inside */
+    double middle[3];       /* middle of the mesh's coordinates [cm] */
+    double period[2];       /* period of a tile about the middle [cm]; 0: nothing is repeated */
+    double highest, lowest; /* z of the topmost and the deepest point; above and below, the answer needs no
+                             * search */
 };
 
-/* Fails the program when memory runs out. */
+/* Makes the oracle of a boundary. Ends the process if memory runs out. */
 void oracle_create(const struct cml_surface_def *def, struct oracle *oracle);
 void oracle_free(struct oracle *oracle);
 
-/* Whether q lies below the boundary. Exactly on it, either. */
+/* True if q lies below the boundary. Exactly on the boundary, either answer is right. */
 bool oracle_below(const struct oracle *oracle, const double q[3]);
 
-/* Whether q lies within `distance` of the boundary. */
+/* True if q lies within `distance` of the boundary [cm]. */
 bool oracle_near(const struct oracle *oracle, const double q[3], double distance);
 
-/* A place on a boundary: a unit normal and a unit tangent of a face that has it (the tangent along the edge
- * or ridge where one was asked for), and the size of that face. */
+/* A place on a boundary: the point, a unit normal and a unit tangent of a face there, and the size of that
+ * face. For an edge or ridge, the tangent points along it. */
 enum place_kind { PLACE_FACE, PLACE_EDGE, PLACE_VERTEX };
 struct place {
     double point[3], normal[3], tangent[3], size;

@@ -21,7 +21,7 @@ static int column_of(const struct oracle_bodies *bodies, int axis, double x)
     return column > 0 ? (column < bodies->size ? (int)column : bodies->size - 1) : 0;
 }
 
-/* First and last column of a rectangle along both axes. */
+/* Writes the first and the last column of a rectangle along both axes. */
 static void columns_of(const struct oracle_bodies *bodies, const double lower[3], const double upper[3],
                        int low[2], int high[2])
 {
@@ -31,7 +31,7 @@ static void columns_of(const struct oracle_bodies *bodies, const double lower[3]
     }
 }
 
-/* Counts the entries of every column, or where entry is there writes them; first[] moves by as many. */
+/* Counts the entries of every column or, if `entry` exists, writes them. first[] moves by as many. */
 static void enter_bodies(struct oracle_bodies *bodies)
 {
     for (int k = 0; k < bodies->surfaces->count; k++) {
@@ -140,7 +140,7 @@ static struct round round_of(const struct oracle_bodies *bodies, int k)
     return round;
 }
 
-/* From the surface, below 0 inside. */
+/* Returns the distance from the surface of body k, below 0 inside. */
 static double distance_of(const struct oracle_bodies *bodies, int k, const double q[3])
 {
     const struct round round = round_of(bodies, k);
@@ -217,7 +217,7 @@ static void set(double to[3], double a, const double u[3], double b, const doubl
     for (int axis = 0; axis < 3; axis++) to[axis] = a * u[axis] + b * v[axis];
 }
 
-/* A point of a circle; every second time on an axis of it. */
+/* Writes a random point of the unit circle. Half of the time the point lies on an axis. */
 static void choose_angle(bool on_axis, struct dice *dice, double *c, double *s)
 {
     static const double axes[5] = {1, 0, -1, 0, 1};
@@ -250,7 +250,8 @@ static struct place place_on_sphere(const struct round *round, enum place_kind k
     return place;
 }
 
-/* On the side: anywhere, on one of four lines along it, or where these end. */
+/* Returns a place on the side of a cylinder: anywhere, on one of four lines along it, or at an end of these.
+ */
 static struct place place_on_side(const struct round *round, enum place_kind kind, struct dice *dice)
 {
     struct place place = {.size = round->length};
@@ -264,7 +265,7 @@ static struct place place_on_side(const struct round *round, enum place_kind kin
     return place;
 }
 
-/* On an end: anywhere, on its rim, or in its middle. */
+/* Returns a place on an end of a cylinder: anywhere, on its rim, or in its middle. */
 static struct place place_on_end(const struct round *round, enum place_kind kind, struct dice *dice)
 {
     struct place place = {.size = round->radius};

@@ -44,8 +44,8 @@ static struct oracle_box box_of_all(const struct oracle_grid *grid, uint32_t beg
 
 /* ---- cells ---- */
 
-/* Counts the triangles of every cell in first[cell], or, where there are entries, writes them there.
- * oracle_cell_of never falls when x grows, so a point of a triangle's box is in one of its cells. */
+/* Counts the triangles of every cell in first[cell] or, if `entry` exists, writes them there. oracle_cell_of
+ * never falls when x grows, so that every point of a triangle's box is in one of its cells. */
 static void fill_cells(struct oracle_grid *grid)
 {
     for (uint32_t t = 0; t < grid->mesh->num_triangles; t++) {
@@ -90,7 +90,7 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Sorts entries by the middle of their boxes along the longer side of all. */
+/* Sorts entries by the middles of their boxes, along the longer side of the common box. */
 static void sort_entries(struct oracle_grid *grid, const struct oracle_box *all, uint32_t begin, uint32_t end)
 {
     const int axis = all->high[1] - all->low[1] > all->high[0] - all->low[0];
@@ -104,7 +104,7 @@ static void sort_entries(struct oracle_grid *grid, const struct oracle_box *all,
     free(keyed);
 }
 
-/* Nodes of a tree of n triangles, which is halved down to leaves. */
+/* Returns the number of nodes in a tree of n triangles, which is halved down to leaves. */
 static uint32_t nodes_of(uint32_t n)
 {
     return n <= LEAF ? 1 : 1 + nodes_of(n / 2) + nodes_of(n - n / 2);

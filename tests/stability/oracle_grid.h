@@ -1,7 +1,9 @@
-/* The triangles of a mesh by place, for the oracle: a grid of cells over the x-y plane, and in a cell of many
- * a tree of boxes. Whatever is asked, no triangle whose own box has a point of the asked rectangle is left
- * out; others may come too. `unit.oracle` compares with the list of all triangles. SPDX-License-Identifier:
- * MIT */
+/* Finds the triangles of a mesh by place, for the oracle: a grid of cells over the x-y plane, and a tree of
+ * boxes in cells with many triangles.
+ *
+ * A search for a rectangle never leaves out a triangle whose own box has a point of the rectangle; it may
+ * return others. `unit.oracle` compares with the list of all triangles.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "geometry/mesh.h"
@@ -10,29 +12,31 @@ struct oracle_box {
     double low[2], high[2];
 };
 
-/* Behind a node stand its descendants, up to `next`. */
+/* A node of a tree. Its descendants follow it, up to `next`. */
 struct oracle_node {
     struct oracle_box box;
-    uint32_t begin, end; /* entries; begin == end: not a leaf */
+    uint32_t begin, end; /* range of entries; empty unless the node is a leaf */
     uint32_t next;
 };
 
 struct oracle_grid {
     const struct cml_mesh *mesh;
     double corner[2], per_cell[2];
-    double margin; /* of a triangle's box, cm: the rounding of whoever asks whether a point is inside */
+    double margin; /* margin around a triangle's box [cm]: the rounding of the test that asks if a point is
+                    * inside */
     int size;
-    uint32_t *first, *entry; /* [size * size + 1], [first[size * size]]: triangles */
-    uint32_t *tree;          /* [size * size + 1]: the cell's nodes, none where it has few entries */
+    uint32_t *first, *entry; /* [size * size + 1] and [first[size * size]]: triangles of each cell */
+    uint32_t *tree;          /* [size * size + 1] first node of each cell, no nodes for a cell with few
+                              * entries */
     struct oracle_node *node;
 };
 
-/* Borrows the mesh. Cells with more than `most` triangles get a tree; UINT32_MAX: all triangles in one list.
- * Fails the program when memory runs out. */
+/* Makes the grid. Borrows the mesh. Cells with more than `most` triangles get a tree; with UINT32_MAX all
+ * triangles are in one list. Ends the process if memory runs out. */
 void oracle_grid_create(const struct cml_mesh *mesh, uint32_t most, struct oracle_grid *grid);
 void oracle_grid_free(struct oracle_grid *grid);
 
-/* ---- what lies in a rectangle ---- */
+/* ---- triangles in a rectangle ---- */
 
 static inline int oracle_cell_of(const struct oracle_grid *grid, int axis, double x)
 {
@@ -40,7 +44,7 @@ static inline int oracle_cell_of(const struct oracle_grid *grid, int axis, doubl
     return cell > 0 ? (cell < grid->size ? (int)cell : grid->size - 1) : 0;
 }
 
-/* Goes over the triangles of one cell; a triangle may come again in another cell. */
+/* A search over the triangles of one cell. A triangle may also be found in another cell. */
 struct oracle_search {
     const struct oracle_grid *grid;
     struct oracle_box box;
@@ -63,7 +67,7 @@ static inline bool oracle_boxes_meet(const struct oracle_box *a, const struct or
            b->low[1] <= a->high[1];
 }
 
-/* False after the last one. */
+/* Writes the next triangle of the search. Returns false after the last one. */
 static inline bool oracle_next(struct oracle_search *search, uint32_t *triangle)
 {
     while (search->entry == search->last_entry) {

@@ -1,18 +1,18 @@
-"""Where methods fail: the scenes of the atlas, each with what its packets are aimed at and what must come of it.
+"""Situations in which methods may fail: the scenes of the atlas, the aims of their packets, and the expected outcome.
 
-build(DIR, full) writes the files and returns the situations. Lengths in cm. Media are thin enough for packets to cross
-boundaries often: a crossing is what can go wrong. Standard library only."""
+build(DIR, full) writes the files and returns the situations. Lengths are in cm. Media are thin enough that packets often cross boundaries, because
+only a crossing can go wrong. Only the standard library is needed."""
 import math
 import os
 import random
 
-# as meshes: some 1e7 triangles, and spheres and cylinders 1e-6 cm apart, whose meshes meet
+# situations without a mesh version: some would need 1e7 triangles, and meshes of spheres and cylinders 1e-6 cm apart would intersect
 NO_MESH = {"rings-1e5", "beads-1e4", "nested-spheres-1e-6cm", "nested-cylinders-1e-6cm", "body-1e-6cm-below-plane"}
 
 
 class Situation:
-    """aims: what packets aim at (tests/stability/atlas.c). refused: words that the program's refusal must hold;
-    None: the scene is accepted. big: takes minutes to read and to check."""
+    """A scene of the atlas. aims: where packets aim (tests/stability/atlas.c). refused: words of the program's refusal, or None if the scene is
+    accepted. big: the scene takes minutes to read and to check."""
 
     def __init__(self, name, mci, aims=("face",), refused=None, big=False):
         self.name, self.mci, self.aims, self.refused, self.big = name, mci, aims, refused, big
@@ -22,7 +22,7 @@ class Situation:
 
 
 def scene(layers, surfaces=None, above=1.0, below=1.0, beam=None, photons=20000, bodies=()):
-    """layers: (n, mua, mus, g, d); surfaces: {boundary: its line}; bodies: lines behind the last layer."""
+    """Returns the text of a scene. layers: (n, mua, mus, g, d); surfaces: {boundary: its line}; bodies: lines after the last layer."""
     surfaces = surfaces or {}
     lines = ["1.0", "1", "out.mco A", str(photons), "0.01 0.01", "10 10 1"] + ([beam] if beam else [])
     lines += [str(len(layers)), repr(above)]
@@ -52,7 +52,7 @@ def obj(vertices, triangles):
 
 
 def grid_mesh(nx, ny, width, depth, height, seed=1, shift=(0.0, 0.0)):
-    """A rough sheet over width x depth of nx x ny cells, flat at its border."""
+    """Returns a rough sheet of width x depth with nx x ny cells, flat at its border."""
     dice = random.Random(seed)
     vertices, triangles = [], []
     for i in range(nx + 1):
@@ -69,7 +69,7 @@ def grid_mesh(nx, ny, width, depth, height, seed=1, shift=(0.0, 0.0)):
 
 
 def write_large_grid(path, cells, width, height, seed=1):
-    """obj(*grid_mesh(cells, cells, width, width, height, seed)), a row at a time: 1e7 triangles take no memory."""
+    """Writes obj(*grid_mesh(cells, cells, width, width, height, seed)) row by row, so that 1e7 triangles take no memory."""
     dice = random.Random(seed)
     places = [repr((i / cells - 0.5) * width) for i in range(cells + 1)]
     with open(path, "w", encoding="ascii") as file:
@@ -83,7 +83,7 @@ def write_large_grid(path, cells, width, height, seed=1):
 
 
 def moved(mesh, reach, seed=1):
-    """The sheet with its inner vertices moved by up to reach in x and y: no regular grid any more."""
+    """Returns the sheet with its inner vertices moved by up to `reach` in x and y, so that the grid is no longer regular."""
     dice = random.Random(seed)
     vertices, triangles = mesh
     ends = [max(abs(v[axis]) for v in vertices) for axis in (0, 1)]
@@ -92,19 +92,19 @@ def moved(mesh, reach, seed=1):
 
 
 def spiked(mesh, i, height):
-    """The sheet with vertex i raised."""
+    """Returns the sheet with vertex i raised."""
     x, y, z = mesh[0][i]
     return mesh[0][:i] + [(x, y, z + height)] + mesh[0][i + 1:], mesh[1]
 
 
 def corner_cube(size):
-    """Three faces at right angles to one another, deepest in the middle: light from above comes back the way it came."""
+    """Returns three faces at right angles to one another, deepest in the middle: light from above returns in its own direction."""
     corners = [(size * math.cos(a), size * math.sin(a), 0.0) for a in (0.0, 2 * math.pi / 3, 4 * math.pi / 3)]
     return corners + [(0.0, 0.0, -size / math.sqrt(2))], [(0, 1, 3), (1, 2, 3), (2, 0, 3)]
 
 
 def mushroom(n, stem, cap, height):
-    """Rings of n vertices: foot, stem, the cap's underside, its rim and its top: an overhang with edges of 90 degrees."""
+    """Returns rings of n vertices: foot, stem, underside of the cap, its rim and its top. The mesh overhangs with edges of 90 degrees."""
     profile = [(2 * cap, 0.0), (stem, 0.0), (stem, height), (cap, height), (cap, 1.5 * height)]
     vertices = [(r * math.cos(2 * math.pi * k / n), r * math.sin(2 * math.pi * k / n), z) for r, z in profile
                 for k in range(n)] + [(0.0, 0.0, 1.5 * height)]
@@ -118,7 +118,7 @@ def mushroom(n, stem, cap, height):
 
 
 def icosphere_pole(n):
-    """A dome with one vertex on the axis, where a beam along the axis strikes it."""
+    """Returns a dome with one vertex on the axis, where a beam along the axis strikes it."""
     vertices, triangles = [(0.0, 0.0, 0.5)], []
     for ring in range(1, 5):
         for k in range(n):
@@ -146,7 +146,7 @@ def slab(surface, medium=TURBID, **more):
 
 
 def fields():
-    """Radial heightfields and planes."""
+    """Yields situations with radial heightfields and planes."""
     fine = noise(200, 2e-7, 3)
     ramp = [0.02 * math.sin(i / 900.0) for i in range(99999)] + [0.0]
     thin = [h + 1e-5 for h in HILLS]
@@ -183,7 +183,7 @@ def fields():
 
 
 def mesh_lines(directory):
-    """Writes the meshes; their names without .obj."""
+    """Writes the meshes. Returns their names without .obj."""
     wedge = grid_mesh(24, 24, 2.0, 2.0, 0.05)
     meshes = {
         "rough": wedge,
@@ -216,7 +216,7 @@ def mesh_lines(directory):
 
 
 def sheets(line):
-    """Triangle meshes; line: name -> its line in the .mci."""
+    """Yields situations with open triangle meshes. line: {name: its line in the .mci}."""
     yield Situation("grazing-mesh", slab(line["rough"]), GRAZING)
     yield Situation("vertices-and-edges", slab(line["rough"]), AIMED)
     yield Situation("irregular-mesh", slab(line["irregular"]), AIMED + GRAZING[::2])
@@ -257,9 +257,9 @@ def sheets(line):
 
 
 def tile_lines(directory):
-    """Writes heightmaps that are repeated; their names without .asc."""
+    """Writes heightmaps that are repeated. Returns their names without .asc."""
     def rough(nx, ny, height, seed=1):
-        """Lower at one end, so that no step is higher than across the seam."""
+        """Returns a random heightmap that is lower at one end, so that no step is higher than the one across the seam."""
         dice = random.Random(seed)
         return [[dice.uniform(-height, height) * (0.5 if (i == 0 or j == 0) and nx > 2 else 1) for i in range(nx)]
                 for j in range(ny)]
@@ -281,9 +281,10 @@ def tile_lines(directory):
 
 
 def tiles(line):
-    """Heightmaps repeated over the whole plane: packets are aimed at copies up to 20 periods from the middle, half of
-    them at the seams, and those that graze fly over many. Along the straight waves, which no packet leaves that flies
-    exactly along them, none is aimed."""
+    """Yields situations with heightmaps repeated over the whole plane.
+
+    Packets are aimed at copies up to 20 periods from the middle, half of them at the seams. Packets that graze fly over many copies. No packet is
+    aimed along the straight waves, because a packet that flies exactly along them never leaves."""
     yield Situation("tile", slab(line["tile"]), AIMED + GRAZING)
     yield Situation("tile-below", scene([TURBID], {1: line["tile"]}), AIMED)
     yield Situation("tile-many-periods", slab(line["tile-fine"], (1.4, 0.01, 0.2, 0.9, 1.0)), AIMED + GRAZING[::2])
@@ -325,14 +326,14 @@ def cylinder(ends, r, medium=BODY):
 
 
 def box(size):
-    """Twelve triangles, and corners of 90 degrees."""
+    """Returns a box of twelve triangles with corners of 90 degrees."""
     vertices = [(size * i, size * j, size * k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)]
     sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return vertices, [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))]
 
 
 def stone(n, radius, height, seed=1):
-    """A ball of n rings of 2 n vertices, each moved along its radius by up to height."""
+    """Returns a ball of n rings of 2 n vertices, each moved along its radius by up to `height`."""
     dice = random.Random(seed)
     vertices = [(0.0, 0.0, radius)]
     for i in range(1, n):
@@ -353,7 +354,7 @@ def stone(n, radius, height, seed=1):
 
 
 def closed(mesh, depth):
-    """A sheet with a floor below it, from its border to one vertex."""
+    """Returns a sheet closed by a floor, which runs from its border to one vertex below."""
     vertices, triangles = mesh
     edges = {(t[i], t[(i + 1) % 3]) for t in triangles for i in range(3)}
     border = [(a, b) for a, b in edges if (b, a) not in edges]
@@ -365,7 +366,7 @@ def mushroom_body(cap):
 
 
 def joined(*meshes):
-    """One mesh of several parts: each of them moved by (x, y, z)."""
+    """Returns one mesh of several parts, each moved by its (x, y, z)."""
     vertices, triangles = [], []
     for (points, faces), (dx, dy, dz) in meshes:
         triangles += [tuple(i + len(vertices) for i in t) for t in faces]
@@ -374,7 +375,7 @@ def joined(*meshes):
 
 
 def body_files(directory):
-    """Writes closed meshes; their names without .obj. They lie in the middle of a layer of 1 cm."""
+    """Writes closed meshes, which lie in the middle of a layer of 1 cm. Returns their names without .obj."""
     needles = [(x * 30, y, z) for x, y, z in stone(16, 0.01, 0.002)[0]]
     here = (0.0, 0.0, 0.0)
     inner = [(x * (1 - 1e-6), y * (1 - 1e-6), z * (1 - 1e-6)) for x, y, z in stone(12, 0.3, 0.05)[0]]
@@ -403,8 +404,8 @@ def body_files(directory):
 
 
 def round_bodies():
-    """Spheres and cylinders. Edges and vertices are poles, seams, rims, and circles in the planes of the axes; `along`
-    and angles to the surface are tangents."""
+    """Yields situations with spheres and cylinders. Their edges and vertices are poles, seams, rims, and circles in the planes of the axes. `along`
+    and angles to the surface aim along tangents."""
     def of(bodies, medium=TURBID, **more):
         return scene([medium], bodies=bodies, **more)
     oblique, upright, level = (-0.2, 0.3, 0.2, 0.4, -0.1, 0.7), (0.1, 0.0, 0.2, 0.1, 0.0, 0.8), (-0.7, 0.1, 0.5, 0.7, 0.1, 0.5)
@@ -448,7 +449,7 @@ def round_bodies():
 
 
 def mesh_bodies(line, body):
-    """Closed meshes: line and body: name -> the line of a boundary, the words that name a body."""
+    """Yields situations with closed meshes. line: {name: line of a boundary}; body: {name: words that name a body}."""
     def of(bodies, medium=TURBID, **more):
         return scene([medium], bodies=bodies, **more)
     yield Situation("body-box", of([inside(body["box"])]), AIMED + GRAZING)

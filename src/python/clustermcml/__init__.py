@@ -39,7 +39,8 @@ __all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector"
 
 
 def __getattr__(name: str) -> str:
-    """__version__ is the program's, asked when it is wanted: a package without its program can still read results."""
+    """`__version__` is the version of the program, asked at first use: without a program, the package still imports and reads
+    results."""
     if name == "__version__":
         return version()
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,6 +1,9 @@
-"""Commands: `python3 -m clustermcml fit scene.mci measured.csv layer1.mua=0.01:10 layer1.mus=10:500`, what mc.fit does, from a shell; `plot`, `compare`, `view`.
+"""The command `python3 -m clustermcml fit`, which does the work of mc.fit, and the entrance to `brdf`, `compare`, `plot`,
+`profile` and `view`.
 
-Lines of the table: name, place, value, standard error; the place, in cm or rad, says which bin of a profile is meant, and is empty of totals.
+An example: `python3 -m clustermcml fit scene.mci measured.csv layer1.mua=0.01:10 layer1.mus=10:500`. Each line of the table
+measured.csv is name, place, value, standard error. The place [cm or rad] says which bin of a profile is meant. Totals have no
+place.
 
 SPDX-License-Identifier: MIT
 """
@@ -24,11 +27,11 @@ from .mco import NUMERAL
 from .measured import PROFILES, check_name, check_number
 from .options import FitOptions
 
-MOST_BYTES = 256 * 2**20  # of a table, as the program has it
+MOST_BYTES = 256 * 2**20  # largest table that is read; the program has the same limit
 
 
 def _add_options(parser: argparse.ArgumentParser) -> None:
-    """Those of `run` that flights may have, as words that the program reads."""
+    """Adds the options of `run` that the flights of a fit may have. Values stay words, which the program reads."""
     group = parser.add_argument_group("options of the flights, as clustermcml help run explains them")
     for name, kind in FitOptions.__annotations__.items():
         typed = "--" + name.replace("_", "-")
@@ -50,7 +53,8 @@ def _options(words: argparse.Namespace) -> Any:
 
 
 def _number(word: str) -> float:
-    """As the program reads one; float() takes 0.3_1 and digits of all scripts, too."""
+    """The number that a word stands for, by the rules of the program. float() alone would also accept 0.3_1 and the digits of
+    other scripts."""
     if not NUMERAL.fullmatch(word):
         raise ValueError
     return float(word)
@@ -71,7 +75,7 @@ def _bounds(words: list[str]) -> dict[str, tuple[float, float]]:
 
 
 def _cells(path: str) -> Iterator[tuple[str, str, list[str]]]:
-    """Of every line with words: FILE:NUMBER, its text, and the words between the commas."""
+    """Yields each line of the table that has words: FILE:NUMBER, the text of the line, and its words between commas."""
     size = os.path.getsize(errors.existing_file("table", path))
     if size > MOST_BYTES:
         raise errors.InputError(f"{path}: cannot be read: it has {size} bytes (expected a table of at most {MOST_BYTES} bytes)")
@@ -91,7 +95,7 @@ def _cells(path: str) -> Iterator[tuple[str, str, list[str]]]:
 
 
 def _measured(path: str, scene: str) -> dict[str, Any]:
-    """The table, profiles in the bins of the scene."""
+    """Reads the table of measured values. Profiles become arrays over the bins of the scene, NaN where nothing was measured."""
     grid = check(scene)[0]["grid"]
     measured: dict[str, Any] = {}
     left = dict.fromkeys(PROFILES, 0)
@@ -111,7 +115,7 @@ def _measured(path: str, scene: str) -> dict[str, Any]:
             measured[name] = (value, error)
             continue
         count, width = (grid["nr"], grid["dr"]) if name.endswith("_r") else (grid["na"], np.pi / 2 / grid["na"])
-        most = (count - name.endswith("_r")) * width  # the last over r holds what lies beyond
+        most = (count - name.endswith("_r")) * width  # the last bin over r holds all light beyond the grid
         if not 0 <= place < most:
             raise errors.refuse(f"{line}: place", words[1], f"a number from 0 to below {most:g}, where {name} has bins")
         values, sigmas = measured.setdefault(name, (np.full(count, np.nan), np.full(count, np.nan)))
@@ -127,7 +131,8 @@ def _measured(path: str, scene: str) -> dict[str, Any]:
 
 
 def _beside(found: Fit) -> list[str]:
-    """A line for each number that was measured: the model's, both errors, and by how many of the two together they differ."""
+    """Returns one line for each measured number: model, measured value, both errors, and their difference in units of the
+    combined error."""
     lines = []
     for name in found.measured:
         columns = [np.atleast_1d(of[name]) for of in (found.prediction, found.prediction_errors, found.measured, found.measured_errors)]
@@ -143,7 +148,8 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main() -> int:
-    """`clustermcml brdf`, `compare`, `plot`, `profile` and `view` hand over to this."""
+    """Runs the command that `clustermcml brdf`, `compare`, `plot`, `profile` or `view` hands over, else `fit`. Returns the exit
+    code."""
     commands = {"brdf": ".brdf", "compare": ".compare", "plot": ".plot", "profile": ".profile", "view": ".view"}
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         return fit_main()
@@ -158,7 +164,7 @@ def main() -> int:
         return 130
     except (ImportError, MemoryError):
         raise
-    except Exception as error:  # pylint: disable=broad-except  # a library refuses what the package let pass
+    except Exception as error:  # pylint: disable=broad-except # an exception of a library on input that the package let pass
         if os.environ.get("CLUSTERMCML_TRACEBACK"):
             raise
         words = shown_path(" ".join(f"{type(error).__name__}: {error}".split()))

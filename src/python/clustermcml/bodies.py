@@ -1,4 +1,4 @@
-"""What lies inside a layer: each a medium of its own.
+"""Bodies inside a layer, each a medium of its own: spheres, cylinders and closed meshes.
 
 SPDX-License-Identifier: MIT
 """

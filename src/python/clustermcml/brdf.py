@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 
 ANGLES = (0, 10, 20, 30, 40, 50, 60, 65, 70, 75, 80, 85)
 BINS = (18, 36)
-STEEPEST = 89.0  # degrees
-POOR, FAR = 1.5, 0.03  # a fit is no good whose chi^2 per degree of freedom and whose relative distance from the bins, beyond their noise, are above these
-GLOSS, MOST_SAVED = 1_000_000, 2_000_000  # packets of the cells of a lobe, at each angle: at least, at most
-LEAST = 1e-6  # share of the light that is a lobe
-EXACT = 1e-5  # sine about the mirrored direction: saved directions are in single precision
+STEEPEST = 89.0  # largest angle of incidence [degrees]
+POOR, FAR = 1.5, 0.03  # a fit is poor if chi^2 per degree of freedom and the relative distance from the bins beyond noise are both above these limits
+GLOSS, MOST_SAVED = 1_000_000, 2_000_000  # packets that fill the cells of a lobe at each angle: the least and the largest number
+LEAST = 1e-6  # a lobe exists if light that was never inside is a larger share of all light
+EXACT = 1e-5  # sine of the angle around the mirrored direction that counts as exact, because saved directions are in single precision
 
 
 # ---- arguments ----
@@ -59,7 +59,8 @@ def _bins(bins: Any) -> tuple[int, int]:
 # ---- one channel ----
 
 def _albedo(result: Any, back: bool) -> dict[str, float]:
-    """Totals of the lit and the other side; the error of what leaves on the lit side is that of a detector that sees all of it."""
+    """Returns the totals of the lit side and of the other side. The error of the lit side comes from a detector that sees the
+    whole side."""
     up, down = float(result.Rd) + float(result.Rsp), float(result.Tt)
     up_se, down_se = float(np.hypot(result.Rd_se, result.Rsp_se)), float(result.Tt_se)
     lit, lit_se, far, far_se = (down, float(result.detector_lit_se), up, up_se) if back else (up, float(result.detector_lit_se), down, down_se)
@@ -69,7 +70,8 @@ def _albedo(result: Any, back: bool) -> dict[str, float]:
 
 
 def _directions(setup: Setup, channel: int, i: int, result: Any, bins: Bins) -> dict[str, Any]:
-    """f_r and f_t of one angle, without mirror parts, and shares of the light that was inside (`in`) and was not (`gloss`)."""
+    """Returns the shares of light in the bins at one angle of incidence, without mirror images: `in` was inside, `gloss` was
+    not, `t` went through."""
     of = {name: bins.shares(result[name + "_dir"].values, result[name + "_dir_se"].values) for name in ("Rd", "Rsp", "Tt")}
     angle, mirror, inner = np.radians(setup.angles[i]), float(result.detector_mirror), float(result.detector_mirror_in)
     through = np.radians(setup.through(setup.angles[i], channel))
@@ -84,8 +86,8 @@ def _directions(setup: Setup, channel: int, i: int, result: Any, bins: Bins) -> 
 
 
 def _half_cells(setup: Setup, channel: int, photons: int, gloss: bool) -> Any:
-    """f in the cells of half vectors [angle of incidence, v, u], without exact mirror images. Light that a rough face sends near the mirrored
-    direction stays."""
+    """Returns f in the cells of half vectors [angle of incidence, v, u]. Exact mirror images are left out. Light that a rough
+    face sends near the mirrored direction stays."""
     found = []
     for i, angle in enumerate(np.radians(setup.angles)):
         weights, flights = fly_packets(setup, channel, i, min(max(photons, GLOSS), MOST_SAVED), gloss)
@@ -100,26 +102,28 @@ def _is_lobe(shares: Any) -> bool:
 
 
 def _surface(numbers: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
-    """What of a channel a lobe depends on."""
+    """Returns the numbers of a channel on which a lobe depends: all except mua, mus, g and d."""
     return tuple(item for item in numbers.items() if not item[0].endswith((".mua", ".mus", ".g", ".d")))
 
 
 def _fit(setup: Setup, channel: int, shares: Mapping[str, Any], bins: Bins) -> Fitted:
-    """The better one of a fit that knows a smooth face, and of one with powers of the outer cosines, as under a rough face."""
+    """Returns the better of two fits by chi^2: one for a smooth face, and one in powers of the outer cosines, which suits a
+    rough face."""
     near, layer, _ = setup.outer(channel)
     tried = [fit_bins(shares["in"], shares["in_se"], np.radians(setup.angles), index, bins) for index in dict.fromkeys([layer / near, 1.0])]
     return min(tried, key=lambda fitted: fitted.chi2)
 
 
 def _misfit(shares: Mapping[str, Any], fitted: Fitted) -> float:
-    """The relative distance (rms, by light) of the fit from the bins, beyond what noise explains."""
+    """Returns the relative distance (rms, weighted by light) of the fit from the bins, beyond the distance that noise explains."""
     light = shares["in"].sum()
     noise = np.sqrt((shares["in_se"] ** 2).sum() * shares["in"].size) / light if light > 0 else 0.0
     return float(np.sqrt(max(fitted.chi2 - 1, 0.0)) * noise)
 
 
 def _pairs(setup: Setup, shares: Mapping[str, Any], fitted: Fitted, bins: Bins) -> Any:
-    """The self-test of reciprocity [pair, 4]: by means over the azimuth, over tiles in the plane of incidence, for these may have a direction."""
+    """Tests reciprocity of the bins of one channel, [pair, 4]. Means over the azimuth are compared. Over tiles, which may have
+    a direction, only the plane of incidence is compared."""
     step = bins.np // 2 if kind_of(setup.told) == "tiles" else 1
     both = (shares["in"] + shares["gloss"])[:, :, ::step], np.hypot(shares["in_se"], shares["gloss_se"])[:, :, ::step]
     area = bins.projected() * both[0].shape[2]
@@ -133,7 +137,7 @@ def _pairs(setup: Setup, shares: Mapping[str, Any], fitted: Fitted, bins: Bins) 
 # ---- all of it ----
 
 def _lobes(setup: Setup, channels: Sequence[Mapping[str, Any]], poor: bool) -> Any:
-    """f in half-vector cells [channel, angle, v, u]. Channels whose surfaces are the same share one flight of the lobe."""
+    """Returns f in half-vector cells [channel, angle, v, u]. Channels with equal surfaces share one flight of the lobe."""
     made: dict[Any, Any] = {}
     found = []
     for c, channel in enumerate(channels):
@@ -236,8 +240,8 @@ def brdf(scene: Union[Scene, Path], angles: Optional[ArrayLike] = None, photons:
 
 # ---- command ----
 
-def _said(material: Material) -> list[str]:
-    """What the command prints of a material."""
+def _report_lines(material: Material) -> list[str]:
+    """Returns the lines that the command prints for a material."""
     lines = []
     labels = material.channels() or [""]
     for c, label in enumerate(labels):
@@ -245,7 +249,7 @@ def _said(material: Material) -> list[str]:
             values = {name: float(material._each(name)[c, i]) for name in ("albedo_R", "albedo_R_se", "albedo_T", "A", "mirror_R", "mirror_T")}
             ground = f", A_backing {material._each('A_backing')[c, i]:.5f}" if "A_backing" in material.data else ""
             share = float((material._each("f_gloss")[c, i] * material.data["projected"].values[:, None]).sum())
-            gloss = "" if material.data.attrs["side"] == "back" else f"gloss {share:.5f}, "  # from below, gloss is not told from other light
+            gloss = "" if material.data.attrs["side"] == "back" else f"gloss {share:.5f}, "  # light from below: gloss cannot be told from other light
             lines.append(f"{label} {angle:4g} degrees: R {values['albedo_R']:.5f} +- {values['albedo_R_se']:.5f}, T {values['albedo_T']:.5f}, A {values['A']:.5f}{ground}; "
                          f"{gloss}mirror image {values['mirror_R']:.5f}, straight through {values['mirror_T']:.5f}".strip())
     lines.append("fit of light that was inside: chi^2 per degree of freedom " + " ".join(f"{value:.2f}" for value in np.atleast_1d(material.data["chi2"].values))
@@ -257,7 +261,7 @@ def _said(material: Material) -> list[str]:
 
 
 def _write_all(material: Material, stem: str) -> list[str]:
-    """The files of a command, by name."""
+    """Writes all files of the command. Returns their names."""
     labels = material.channels()
     kinds = [".rgb.bsdf"] if labels == ["r", "g", "b"] else [".bsdf"] if labels else [".bsdf", ".rgb.bsdf"]
     names = [stem + ".brdf.h5", stem + ".brdf.txt", *(stem + kind for kind in kinds)]
@@ -296,4 +300,4 @@ def main(words: list[str]) -> int:
     names = _write_all(material, stem)
     if material.mirror_note():
         warnings.warn(material.mirror_note())
-    return 0 if given.quiet else print_text("\n".join([*_said(material), *map(shown_path, names), ""]))
+    return 0 if given.quiet else print_text("\n".join([*_report_lines(material), *map(shown_path, names), ""]))

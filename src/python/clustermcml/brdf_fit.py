@@ -1,9 +1,10 @@
-"""A smooth, reciprocal fit of light that was inside a flat material, and the reciprocity of its bins.
+"""A smooth, reciprocal fit of the light that was inside a flat material, and a test of the reciprocity of its bins.
 
     f = T(mi) T(mo) sum over m < 3, k <= l < 5 of c_klm (ai^k ao^l + ai^l ao^k) (sin ti sin to)^m cos(m phi)
 
-T is Fresnel's transmission from the medium above into the first layer at the cosine m, and a the cosine in that layer. Chandrasekhar's
-solution for a half space has such products, hence few terms suffice. With n = 1 in place of the layer's T is 1 and a the outer cosine: that
+i is the direction of incidence and o that of exit; ti and to are their angles, mi and mo the cosines. T is Fresnel's
+transmission from the medium above into the first layer, and a is the cosine inside that layer. Few terms suffice, because
+Chandrasekhar's solution for a half space has such products. With an index of 1, T is 1 and a is the outer cosine. This form
 suits light behind a rough face, which also lets grazing light through.
 
 SPDX-License-Identifier: MIT
@@ -21,11 +22,12 @@ from .brdf_flight import Bins
 POWERS, AZIMUTHS = 5, 3
 PAIRS = [(k, l) for k in range(POWERS) for l in range(k, POWERS)]
 TERMS = len(PAIRS) * AZIMUTHS
-NODES = 16  # over a bin of theta
+NODES = 16  # points of integration over a bin of theta
 
 
 def transmission(cosine: Any, index: float) -> tuple[Any, Any]:
-    """Fresnel's transmission of unpolarised light into a medium of the relative index, and the cosine there. Both are 0 of total reflection."""
+    """Returns Fresnel's transmission of unpolarised light into a medium of this relative index, and the cosine in the medium.
+    Both are 0 at total reflection."""
     square = 1 - (1 - cosine**2) / index**2
     inside = np.sqrt(np.maximum(square, 0))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -36,30 +38,33 @@ def transmission(cosine: Any, index: float) -> tuple[Any, Any]:
 
 @dataclass
 class Shape:
-    """The functions of one angle that the terms are products of. index: n of the first layer over that of the medium above."""
+    """The functions of one angle whose products are the terms of the fit. index: n of the first layer over n of the medium
+    above."""
 
     index: float
 
     def at(self, theta: Any) -> Any:
-        """[AZIMUTHS, POWERS, ...]: T a^k sin^m."""
+        """Returns T a^k sin^m at the angle theta [rad] as [AZIMUTHS (m), POWERS (k), ...]."""
         theta = np.asarray(theta, float)
         through, inside = transmission(np.cos(theta), self.index)
         return np.stack([np.stack([through * inside**k * np.sin(theta) ** m for k in range(POWERS)]) for m in range(AZIMUTHS)])
 
     def over(self, edges: Any) -> Any:
-        """The means of these over bins, by projected solid angle [AZIMUTHS, POWERS, bins]."""
+        """Returns the means of T a^k sin^m over bins between edges [rad], weighted by projected solid angle: [AZIMUTHS, POWERS,
+        bins]."""
         theta = edges[:-1, None] + (np.arange(NODES) + 0.5) / NODES * np.diff(edges)[:, None]
         weights = np.sin(theta) * np.cos(theta)
         return (self.at(theta) * weights).sum(axis=-1) / weights.sum(axis=-1)
 
 
 def _terms(i: Any, o: Any, azimuth: Any) -> Any:
-    """[TERMS, ...] of functions of both angles, and cos(m phi) [AZIMUTHS, ...]."""
+    """Returns the terms [TERMS, ...]: products of the functions of both angles with azimuth = cos(m phi) [AZIMUTHS, ...]."""
     return np.stack([(i[m, k] * o[m, l] + i[m, l] * o[m, k]) * azimuth[m] for m in range(AZIMUTHS) for k, l in PAIRS])
 
 
 def evaluate(coefficients: Any, index: float, theta_i: Any, theta_o: Any, phi: Any) -> Any:
-    """The fit [1/sr] at angles [rad], which may be arrays of one shape. Swapped angles give the same bits."""
+    """Returns the fit [1/sr] at angles [rad], which may be arrays of one shape. Swapping theta_i and theta_o gives the same
+    bits."""
     shape = Shape(index)
     azimuth = np.stack([np.cos(m * np.asarray(phi, float)) for m in range(AZIMUTHS)])
     return np.tensordot(coefficients, _terms(shape.at(theta_i), shape.at(theta_o), azimuth), 1)
@@ -67,8 +72,8 @@ def evaluate(coefficients: Any, index: float, theta_i: Any, theta_o: Any, phi: A
 
 @dataclass
 class Fitted:
-    """index: the n that the fit takes. coefficients: [TERMS]. means: of the fit over the bins, and where the angles of incidence meet the middles of bins: middles.
-    chi2: per degree of freedom."""
+    """A fit of one channel. index: relative n of the fit. coefficients: [TERMS]. means: means of the fit over the bins.
+    middles: the fit in the middles of the bins, at each angle of incidence. chi2: chi^2 per degree of freedom."""
 
     index: float
     coefficients: Any
@@ -78,8 +83,8 @@ class Fitted:
 
 
 def fit_bins(shares: Any, errors: Any, angles: Any, index: float, bins: Bins) -> Fitted:
-    """Least squares of shares [angle of incidence, theta, phi]. The variance of a bin is taken to grow with its light, as that of the whole
-    row does: errors of single bins would favour bins that are too dark by chance."""
+    """Fits shares [angle of incidence, theta, phi] by least squares. The variance of a bin is taken proportional to its light,
+    with the factor of its row. The measured errors of single bins would favour bins that are too dark by chance."""
     projected = bins.projected()[:, None]
     shape, half = Shape(index), np.pi / bins.np
     phi = bins.azimuths()
@@ -105,8 +110,11 @@ def fit_bins(shares: Any, errors: Any, angles: Any, index: float, bins: Bins) ->
 
 
 def reciprocity(f: Any, errors: Any, angles: Any, bins: Bins, fitted: Any) -> list[tuple[float, float, float, float]]:
-    """For pairs of angles of incidence that are middles of bins: both angles [degrees], f(i, o) / f(o, i) - 1 and z. f: means over the
-    azimuth of raw bins [angle, theta], `fitted` the fit in the middles of bins over its mean over them, which takes out their width."""
+    """Compares f(i, o) with f(o, i) for pairs of angles of incidence that are middles of bins. Returns tuples: both angles
+    [degrees], f(i, o) / f(o, i) - 1, and z.
+
+    f: means over the azimuth of raw bins [angle, theta]. fitted: the fit in the middles of bins over its mean there, which
+    corrects for the width of the bins."""
     width = 90 / bins.nt
     places = {i: round(angle / width) for i, angle in enumerate(angles) if abs(angle / width - round(angle / width)) < 1e-6 and 0 < angle}
     pairs = []

@@ -20,16 +20,17 @@ from .program import fly, option_words, result_of, scratch_folder
 from .relit import beam_shape, write_relit
 from .scene import MOST_PHOTONS
 
-CONE = 1e-3  # sine of the cone around the mirrored and the refracted direction that counts as exact
+CONE = 1e-3  # sine of the half-angle of the cone around the mirrored, or refracted, direction that counts as exact
 WIDE = 1e6  # radius of a detector that sees a whole side [cm]
-LEAST, DARK = 10000, 1e-3  # with an error target: packets at least; an albedo that is dark enough to be known
+LEAST, DARK = 10000, 1e-3  # least number of packets with an error target; albedo below which no relative error is asked for
 OPAQUE = 1e9  # mua of a first layer from which no light returns [1/cm]
 EDGE = 1e-5  # a direction this near to the edge of two bins may lie in either [rad]
 
 
 @dataclass
 class Setup:
-    """A scene, and what is flown with it. told: what `check` says. sets: numbers of each channel, as `--set` takes them."""
+    """A scene, and the flights that are made with it. told: the answer of `check`. angles: of incidence [degrees]. sets:
+    numbers of each channel, as `--set` takes them. bins: even bins over theta and phi. back: light comes from below."""
 
     path: str
     told: dict[str, Any]
@@ -41,27 +42,27 @@ class Setup:
     options: Mapping[str, Any]
 
     def index(self, name: str, channel: int) -> float:
-        """n of a medium: above, below, layer1 ... of a channel."""
+        """Returns n of a medium ("above", "below", "layer1" ...) in a channel."""
         number = self.sets[channel].get(name + ".n")
         if number is not None:
             return float(number)
         return float(self.told["layers"][int(name[5:]) - 1]["n"] if name.startswith("layer") else self.told["n_" + name])
 
     def outer(self, channel: int) -> tuple[float, float, float]:
-        """n on the lit side, in the layer there, and on the other side."""
+        """Returns n of the medium on the lit side, of the layer there, and of the medium on the other side."""
         layers = len(self.told["layers"])
         above, below = self.index("above", channel), self.index("below", channel)
         return (below, self.index(f"layer{layers}", channel), above) if self.back else (above, self.index("layer1", channel), below)
 
     def through(self, angle: float, channel: int) -> float:
-        """The angle [degrees] at which parallel light leaves on the other side; 0 where it cannot."""
+        """Returns the angle [degrees] at which parallel light leaves on the other side, or 0 if it is totally reflected."""
         near, _, far = self.outer(channel)
         sine = near / far * math.sin(math.radians(angle))
         return math.degrees(math.asin(sine)) if sine < 1 else 0.0
 
 
 def kind_of(told: Mapping[str, Any]) -> str:
-    """planes, tiles or a hill: a scene with another shape, or with bodies, is not the same everywhere."""
+    """Returns "planes", "tiles" or "hill". A hill is any scene that differs from place to place: other shapes, or bodies."""
     curved = [boundary for boundary in told["boundaries"] if boundary["kind"] != "plane"]
     if told.get("bodies") or not all("period" in boundary for boundary in curved):
         return "hill"
@@ -69,7 +70,8 @@ def kind_of(told: Mapping[str, Any]) -> str:
 
 
 def _beam(setup: Setup) -> tuple[str, Optional[Sequence[float]]]:
-    """The beam's line, and the period of tiles where the width of the beam follows the angle."""
+    """Returns the line of the beam. Under tiles lit from below, also returns their period [cm], because the width of the beam
+    follows the angle."""
     kind, place = kind_of(setup.told), ""
     if setup.back:
         if setup.told["backing"]:
@@ -91,7 +93,7 @@ def _beam(setup: Setup) -> tuple[str, Optional[Sequence[float]]]:
 
 
 def _table(setup: Setup, period: Optional[Sequence[float]], detectors: bool) -> list[dict[str, float]]:
-    """One row for each channel and angle."""
+    """Returns the table of the sweep: one row for each channel and angle."""
     rows = []
     for channel, numbers in enumerate(setup.sets):
         for i, angle in enumerate(setup.angles):
@@ -105,7 +107,8 @@ def _table(setup: Setup, period: Optional[Sequence[float]], detectors: bool) -> 
 
 @contextlib.contextmanager
 def _flown(setup: Setup, lines: Sequence[str], rows: Sequence[Mapping[str, float]], words: Sequence[str], notes: bool = False) -> Iterator[list[Any]]:
-    """What the program says of every row, in their order. The files are gone afterwards."""
+    """Flies all rows of a sweep and yields the answers of the program in the order of the rows. The files are deleted
+    afterwards."""
     with scratch_folder() as scratch:
         path, table = os.path.join(scratch, "scene.mci"), os.path.join(scratch, "sweep.csv")
         write_relit(setup.path, path, lines)
@@ -116,8 +119,10 @@ def _flown(setup: Setup, lines: Sequence[str], rows: Sequence[Mapping[str, float
 
 
 def fly_angles(setup: Setup) -> list[list[Any]]:
-    """The results, for each channel and angle. Detectors: lit (all on the lit side), mirror and mirror_in (the cone around the mirrored
-    direction; mirror_in leaves out light that never was inside), through (the cone around the refracted direction)."""
+    """Flies all channels and angles. Returns the results, [channel][angle].
+
+    Detector `lit` sees all light on the lit side. `mirror` sees the cone around the mirrored direction. `mirror_in` sees the
+    same cone without light that was never inside. `through` sees the cone around the refracted direction."""
     beam, period = _beam(setup)
     near, far = ("bottom", "top") if setup.back else ("top", "bottom")
     lit, _, other = setup.outer(0)
@@ -143,7 +148,8 @@ def fly_angles(setup: Setup) -> list[list[Any]]:
 
 
 def _factor(result: Any, target: Optional[float]) -> float:
-    """By how much a flight needs more packets for an albedo of that relative error; 1 of one that is known, or three errors below DARK."""
+    """Returns the factor by which a flight needs more packets to reach the relative error `target` of its albedo. The factor is
+    1 if the target is reached, or if the albedo plus three errors is below DARK."""
     value, error = float(result.detector_lit), float(result.detector_lit_se)
     if target is None or error <= target * value or value + 3 * error < DARK:
         return 1.0
@@ -151,8 +157,11 @@ def _factor(result: Any, target: Optional[float]) -> float:
 
 
 def fly_packets(setup: Setup, channel: int, angle: int, photons: int, gloss: bool) -> tuple[Any, Any]:
-    """Packets that leave on the lit side: their weights per launched packet [n] and directions of flight [n, 3], z outward. gloss: only
-    light that never was inside; the lit layer is made opaque then, which changes nothing of that light and saves the rest."""
+    """Flies packets and returns those that leave on the lit side: weights per launched packet [n] and directions [n, 3], z
+    outward.
+
+    gloss: only light that was never inside. The lit layer is then opaque, which does not change this light and saves the flight
+    of the rest."""
     from .photons import read_photons
     beam, period = _beam(setup)
     numbers = {name: value for name, value in setup.sets[channel].items() if not (gloss and name.endswith((".mua", ".mus")))}
@@ -172,14 +181,15 @@ def fly_packets(setup: Setup, channel: int, angle: int, photons: int, gloss: boo
 
 @dataclass
 class Bins:
-    """Bins of the exit direction, whose middles are 0, 90 / nt, 2 * 90 / nt ... degrees, and 0, 360 / np ...: pairs of flown bins are joined
-    so that the mirrored direction of a multiple of these angles lies in the middle of a bin."""
+    """Bins of the exit direction with middles at 0, 90 / nt, 2 * 90 / nt ... degrees over theta, and 0, 360 / np ... over phi.
+    Each bin joins two flown bins. The mirror image of an angle of incidence that is a multiple of the width therefore lies in
+    the middle of a bin."""
 
     nt: int
     np: int
 
     def edges(self) -> Any:
-        """[nt + 2], rad"""
+        """Returns the edges of the bins over theta [rad], nt + 2 of them."""
         return np.concatenate([[0.0], (np.arange(self.nt) + 0.5) * (np.pi / 2 / self.nt), [np.pi / 2]])
 
     def middles(self) -> Any:
@@ -190,23 +200,23 @@ class Bins:
         return np.arange(self.np) * (2 * np.pi / self.np)
 
     def projected(self) -> Any:
-        """Projected solid angle of the bins over theta [nt + 1]: the same for all azimuths."""
+        """Returns the projected solid angle [sr] of the bins over theta, [nt + 1]. All azimuths have equal bins."""
         return np.diff(np.sin(self.edges()) ** 2) * np.pi / self.np
 
     def join(self, shares: Any) -> Any:
-        """[2 nt, 2 np] to [nt + 1, np]."""
+        """Adds up flown bins [2 nt, 2 np] in pairs to joined bins [nt + 1, np]."""
         rows = np.vstack([shares[:1], shares[1:-1].reshape(self.nt - 1, 2, -1).sum(axis=1), shares[-1:]])
         return np.asarray(np.roll(rows, 1, axis=1).reshape(self.nt + 1, self.np, 2).sum(axis=2))
 
     def shares(self, value: Any, error: Any) -> tuple[Any, Any]:
-        """Weight per packet, and its error, in the joined bins of a quantity per sr, [2 nt, 2 np]."""
+        """Returns weight per packet, and its error, in joined bins, from a quantity per sr in flown bins [2 nt, 2 np]."""
         edges = np.arange(2 * self.nt + 1) * (np.pi / 4 / self.nt)
         solid = (np.cos(edges[:-1]) - np.cos(edges[1:]))[:, None] * (np.pi / self.np)
         return self.join(value * solid), np.sqrt(self.join((error * solid) ** 2))
 
     def without(self, shares: Any, errors_: Any, mirror: float, angle: float) -> tuple[Any, Any]:
-        """Shares without the light that leaves exactly at `angle` [rad] and azimuth 0. Where the angle is the edge of two bins, both get
-        their common mean. Errors of these bins are those that light as bright has elsewhere."""
+        """Returns shares without the light `mirror` that leaves exactly at `angle` [rad] and azimuth 0. If the angle is the
+        edge of two bins, both get their common mean. Errors of these bins are set to those of equally bright light elsewhere."""
         if mirror <= 0:
             return shares, errors_
         shares, errors_, edges = shares.copy(), errors_.copy(), self.edges()

@@ -18,7 +18,7 @@ KINDS = {"uint8": 1, "float32": 10}
 
 
 def tensor_bytes(fields: Mapping[str, Any]) -> bytes:
-    """A tensor file of named arrays, float32 or uint8, little-endian."""
+    """Returns the bytes of a tensor file with named arrays, float32 or uint8, little-endian."""
     heads = [struct.pack("<H", len(name)) + name.encode() + struct.pack("<HB", array.ndim, KINDS[str(array.dtype)]) for name, array in fields.items()]
     offset = len(HEAD) + 4 + sum(len(head) + 8 + 8 * array.ndim for head, array in zip(heads, fields.values()))
     text, data = HEAD + struct.pack("<I", len(fields)), b""
@@ -29,10 +29,11 @@ def tensor_bytes(fields: Mapping[str, Any]) -> bytes:
 
 
 def write_bsdf(path: str, table: Any, theta_i: Any, description: str, wavelengths: Optional[Any]) -> None:
-    """table: f cos theta_o [theta_i, channel, v, u], at least 0. theta_i: rad, rising from 0. wavelengths: [nm]; None for r, g, b."""
+    """Writes a table of reflection as a .bsdf file. table: f cos theta_o [theta_i, channel, v, u], at least 0. theta_i: angles
+    of incidence [rad], rising from 0. wavelengths: [nm], or None for r, g, b."""
     luminance = table.mean(axis=1)
     largest = luminance.max(axis=(1, 2), keepdims=True)
-    luminance = np.maximum(luminance, np.where(largest > 0, 1e-6 * largest, 1.0))  # where to sample: nowhere impossible
+    luminance = np.maximum(luminance, np.where(largest > 0, 1e-6 * largest, 1.0))  # renderers sample by luminance: every direction must stay possible
     single = np.float32
     fields = {"theta_i": single(theta_i), "phi_i": np.zeros(1, single), "ndf": np.ones((2, 2), single), "sigma": np.full((2, 2), 0.25, single),
               "vndf": np.ones((1, len(theta_i), 2, 2), single), "luminance": single(luminance[None])}

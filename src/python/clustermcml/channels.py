@@ -1,4 +1,4 @@
-"""Channels of a material: wavelengths, or r g b, and what is set in each of them.
+"""Channels of a material: wavelengths, or r, g and b, and the numbers that are set in each channel.
 
 SPDX-License-Identifier: MIT
 """
@@ -16,7 +16,8 @@ from .mco import NUMERAL
 
 
 def channel_rows(channels: Any) -> tuple[list[Any], list[dict[str, float]]]:
-    """Labels, and what is set in each channel. The column nm has wavelengths, the column channel r, g and b.
+    """Returns the labels of the channels, and the numbers set in each. Labels stand in the column nm (wavelengths) or channel
+    (r, g and b).
 
     >>> channel_rows({"channel": ["r", "g", "b"], "layer1.mua": [1, 2, 3]})[1][0]
     {'layer1.mua': 1.0}
@@ -45,7 +46,7 @@ def channel_rows(channels: Any) -> tuple[list[Any], list[dict[str, float]]]:
 
 
 def channel_table(word: str) -> dict[str, Any]:
-    """The columns of --label NAME=TABLE.csv."""
+    """Returns the columns of the table that --label NAME=TABLE.csv names."""
     label, _, path = word.partition("=")
     name = errors.existing_file("--label", path, "NAME=TABLE.csv, NAME a column nm, or channel with r, g and b")
     try:

@@ -1,4 +1,4 @@
-"""What the commands of the package share: options, messages, exit codes, files.
+"""Parts that the commands of the package share: options, messages, exit codes and files.
 
 SPDX-License-Identifier: MIT
 """
@@ -18,14 +18,15 @@ from typing import Any, Callable, NoReturn, Optional, Sequence
 
 from . import errors
 
-MOST_THREADS = 4096  # as the program has it
+MOST_THREADS = 4096  # the limit of the program
 PICTURES = (".svg", ".png", ".pdf", ".eps")
 
 
 def print_text(text: str) -> int:
-    """Exit code, as the program's: 5 where standard output cannot be written, 141 and no word where its reader has gone away."""
+    """Prints a text. Returns an exit code, like the program's: 0, 5 if standard output cannot be written, or 141 if its reader
+    is gone."""
     try:
-        if sys.stdout is None:  # closed
+        if sys.stdout is None:  # standard output is closed
             raise OSError
         print(text, end="", flush=True)
         return 0
@@ -34,7 +35,7 @@ def print_text(text: str) -> int:
     except OSError:
         code = 5
         print("clustermcml: standard output cannot be written", file=sys.stderr)
-    setattr(sys, "stdout", None)  # else Python tries again when it ends
+    setattr(sys, "stdout", None)  # otherwise Python tries to flush standard output again at its end
     return code
 
 
@@ -49,7 +50,7 @@ def shown_path(path: str) -> str:
 
 
 class Parser(argparse.ArgumentParser):
-    """Options of a command. Every mistake is one line and exit code 2."""
+    """The parser of a command's options. Every mistake is reported in one line, with exit code 2."""
 
     def __init__(self, command: str, operands: str, text: str, example: str) -> None:
         super().__init__(prog="clustermcml " + command, usage=f"clustermcml {command} {operands} [options]", description=text, epilog="example: " + example,
@@ -57,7 +58,7 @@ class Parser(argparse.ArgumentParser):
         self.command = command
 
     def error(self, message: str) -> NoReturn:
-        """argparse's "argument -o/--output: TEXT" is "--output TEXT" for us."""
+        """Refuses the command line. argparse's "argument -o/--output: TEXT" becomes "--output TEXT"."""
         own = re.fullmatch(r"argument (?:-\w/)?(--[\w-]+): (.*)", message)
         text = f"{own[1]} {own[2]}" if own and "(expected" in own[2] else f"{self.command}: {message}"
         raise errors.InputError(text if "(expected" in text else f"{text} (try clustermcml {self.command} --help)")
@@ -70,7 +71,7 @@ class Parser(argparse.ArgumentParser):
 
     @staticmethod
     def number(expected: str, least: float = -math.inf, most: float = math.inf) -> Callable[[str], float]:
-        """A reader of numbers within limits."""
+        """Returns a function that reads numbers from least to most."""
         def of(word: str) -> float:
             with contextlib.suppress(ValueError):
                 if math.isfinite(float(word)) and least <= float(word) <= most:
@@ -80,7 +81,7 @@ class Parser(argparse.ArgumentParser):
 
     @staticmethod
     def whole(least: int, most: int) -> Callable[[str], int]:
-        """A reader of whole numbers within limits; 1e6 is one."""
+        """Returns a function that reads whole numbers from least to most. 1e6 is a whole number."""
         expected = f"a whole number from {least} to {most}"
         read = Parser.number(expected, least, most)
 
@@ -99,7 +100,7 @@ def picture_name(path: str) -> str:
 
 
 def picture_path(output: Any) -> str:
-    """The argument `output` of a function that draws."""
+    """Checks the argument `output` of a function that draws: its ending must be that of a picture. Returns the path."""
     if not isinstance(output, (str, os.PathLike)) or not os.fspath(output).lower().endswith(PICTURES) or "\0" in os.fspath(output):
         raise errors.refuse("output", output, "a name that ends in .svg, .png, .pdf or .eps")
     return os.fspath(output)
@@ -112,8 +113,8 @@ def check_overwrite(command: str, output: Optional[str], inputs: Sequence[str]) 
 
 
 def file_stem(command: str, output: Optional[str], endings: Sequence[str], scene: str, label: Optional[str]) -> str:
-    """The beginning of the names of a command's files, by default that of the scene's name. No file is hidden, or replaces the scene or the
-    table of --label."""
+    """Returns the beginning of the names of a command's files; the default is the name of the scene. Refuses a beginning that
+    would hide a file, or replace the scene or the table of --label."""
     stem = os.path.splitext(scene)[0] if output is None else output
     if os.path.basename(stem) in ("", ".", "..") or not os.path.isdir(os.path.dirname(os.path.abspath(stem))):
         raise errors.InputError(f"--output {shown_path(stem) or repr(stem)} (expected the beginning of a file's name, in a folder that is there)")
@@ -123,7 +124,8 @@ def file_stem(command: str, output: Optional[str], endings: Sequence[str], scene
 
 
 def readable(path: str) -> str:
-    """The path of a file that can be opened. A pipe is refused before it is opened: to open one may last for ever."""
+    """Returns the path if the file can be opened. Pipes are refused without opening them, because opening a pipe may block for
+    ever."""
     try:
         mode = os.stat(path).st_mode
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
@@ -137,7 +139,7 @@ def readable(path: str) -> str:
 
 
 def write(path: str, content: bytes) -> None:
-    """All of the file or nothing of it. What is no plain file, as /dev/stdout, is written as it is."""
+    """Writes all of a file or none of it. Special files such as /dev/stdout are written directly."""
     try:
         if os.path.exists(path) and not os.path.isfile(path):
             with open(path, "wb") as file:

@@ -1,4 +1,4 @@
-"""Commands of the program beside `run`: what they say, as Python's own numbers and lists.
+"""Commands of the program beside `run`: their answers as Python's numbers and lists.
 
 SPDX-License-Identifier: MIT
 """
@@ -27,13 +27,14 @@ if TYPE_CHECKING:
 
     from typing_extensions import Unpack
 
-DIFFERENT = 1  # exit code of crosscheck and furnace where results disagree
+DIFFERENT = 1  # exit code of crosscheck and furnace if results disagree
 EVENT = {"what": "what happened", "medium": "medium behind it: layer, 0 above", "x": "place", "y": "place", "z": "depth",
          "ux": "direction", "uy": "direction", "uz": "direction, down", "weight": "weight behind it"}  # columns of trace
 
 
 def say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
-    """What the program prints. Its notes are warnings. scratch: a folder whose files are not named. fine: exit codes of no failure."""
+    """Runs the program and returns its standard output. Notes of the program become warnings. scratch: folder of temporary
+    files, whose names messages leave out. fine: exit codes that are no failure."""
     command = [find_program(), *words]
     try:
         with exits_on_signals():
@@ -50,7 +51,8 @@ def say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
 
 def _of_scene(command: str, scene: Union[Scene, Path], options: Mapping[str, object], kind: Any, fine: Sequence[int] = (0,),
               words: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """What a command says of a scene, one dict a run. The file of an object is gone afterwards, so its name is left out."""
+    """Returns the answer of a command for a scene: one dict for each run. For a Scene object the name of the file is left out,
+    as the file is temporary."""
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
         told = say([command, path, "--json", *words, *option_words(options, kind)], scratch, fine)
     runs: list[dict[str, Any]] = [json.loads(line) for line in told.splitlines()]
@@ -61,7 +63,7 @@ def _of_scene(command: str, scene: Union[Scene, Path], options: Mapping[str, obj
 
 
 def version() -> str:
-    """Of the program, as results have it."""
+    """Version of the program, as results store it."""
     return say(["--version"], "").splitlines()[0].removeprefix("clustermcml ")
 
 
@@ -168,7 +170,7 @@ def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
         lines = say(["trace", path, str(index), *option_words(options, TraceOptions)], scratch).splitlines()
     rows: list[list[str]] = []
-    rough_steps: list[int] = []  # told before the event that they are of
+    rough_steps: list[int] = []  # number of facets, printed before the event
     steps = 0
     for line in lines:
         if line.startswith("# rough: "):

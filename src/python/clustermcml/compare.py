@@ -1,16 +1,20 @@
-"""Do two results agree within their noise? Totals, every bin of every array that both have, and the sums of these arrays.
+"""Tests if two results agree within their noise: totals, every bin of every array that both have, and the sums of these arrays.
 
-Every number becomes weight per launched packet; z = (a - b) / error of the difference. Our files carry standard errors. A file without any
-(original MCML) takes the mean square over the mean of a packet's score from the other file, from a range of bins with enough packets. Where
-neither has errors, or the other has drawn from a lattice, that ratio is 1, its largest value for scores up to 1: real differences may be
-missed, but none is invented. When both have errors the larger of two estimates counts: the sum of both variances, and the one of a
-variance common to both, which a run of few packets cannot understate by luck. Printed digits count as a rounding error.
+Every number is first turned into weight per launched packet. The test is z = (a - b) / (error of the difference).
 
-Few packets: neighbouring bins are taken together until the smaller run has ENOUGH packets of the mean weight in them. Errors of reflected
-and transmitted bins add in squares, as a packet ends in one bin; those of absorbed light and of fluence add linearly, as a packet scores in
-many; gates of absorbed light correlate by up to .9. The sum of an array is one more test: a small difference in many bins shows there. z is a
-Student deviate, turned into the normal one of the same tail; Sidak's correction over all tests is exact for independent ones and
-conservative for correlated ones. Means and derivatives are tested number by number and have no sum.
+Errors: files of this program carry standard errors. For a file without errors (original MCML), the ratio of the mean square to
+the mean of a packet's score is taken from the other file, over a range of bins with enough packets. If neither file has errors,
+or the other file was sampled on a lattice, the ratio is set to 1, the largest value for scores up to 1. The test may then miss
+real differences, but invents none. If both files have errors, the larger of two variances counts: the sum of both, and the
+variance common to both. A run of few packets cannot understate the common one by luck. Printed digits count as a rounding
+error.
+
+Few packets: neighbouring bins are joined until the smaller run has ENOUGH packets of the mean weight in them. Errors of
+reflected and transmitted bins add in squares, because a packet ends in one bin. Errors of absorbed light and of fluence add
+linearly, because a packet scores in many bins; time gates of absorbed light correlate by up to 0.9. The sum of an array is one
+more test, which finds a small difference in many bins. z is a deviate of Student's t, turned into the normal deviate of equal
+tail. Sidak's correction over all tests is exact for independent tests and conservative for correlated ones. Means and
+derivatives are tested number by number and have no sum.
 
 SPDX-License-Identifier: MIT
 """
@@ -32,31 +36,31 @@ from .command_line import Parser, check_overwrite, picture_path, print_text, rea
 from .fields import OF_DETECTED, Field, Fields
 from .results import read_as
 
-ENOUGH = 20.0  # packets of the mean weight in the smaller run, for a test
-WIDER = 500.0  # packets from which the scatter of scores is known
-BATCHES, GROUPS = 64, 16  # from which errors come; arrays of cells, directions and facets have groups
+ENOUGH = 20.0  # least number of packets of the mean weight, in the smaller run, that make a test
+WIDER = 500.0  # number of packets that tell the scatter of scores
+BATCHES, GROUPS = 64, 16  # numbers of parts of a run that errors come from; arrays of cells, directions and facets use groups of batches
 TOTALS = ("Rsp", "Rd", "A", "Tt", "A_backing")
 OF_MCML = ("A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a")
-GIVEN = re.compile(r"(layer|body)_(n|mua|mus|g|d)|body_of_facet|(\w+_)?area")  # what the scene says, or a shape has
+GIVEN = re.compile(r"(layer|body)_(n|mua|mus|g|d)|body_of_facet|(\w+_)?area")  # arrays that repeat the scene or belong to a shape, and are not tested
 MOST = 1e100  # squares of larger numbers would overflow
-LISTED = 5  # worst tests that are shown
+LISTED = 5  # number of the worst tests that are shown
 UNITS = {"r": "r [cm]", "z": "z [cm]", "gate": "t [ps]", "alpha": "a [rad]"}
 
 
 class Group(NamedTuple):
-    """Neighbouring bins taken together, or all of an array; sums over the bins, of both files."""
+    """Neighbouring bins that are tested together, or a whole array: sums over the bins, in both files."""
 
     first: int
     last: int
     measure: float  # value times measure is weight per packet
     mean: tuple[float, float]
-    squares: tuple[float, float]  # of the bins' errors
+    squares: tuple[float, float]  # sum of the squared errors of the bins
     linear: tuple[float, float]
-    rounding: float  # variance of the difference from printed digits
+    rounding: float  # variance of the difference that comes from printed digits
 
 
 class Test(NamedTuple):
-    """Values and errors are means over the bins, in the unit of the files."""
+    """One test. Values and errors are means over its bins, in the unit of the files."""
 
     name: str
     first: int
@@ -65,11 +69,11 @@ class Test(NamedTuple):
     error: tuple[float, float]
     z: float
     p: float
-    whole: bool  # the sum over all bins
+    whole: bool  # True for the sum over all bins
 
 
 class Array:
-    """One array of both files, and how its bins are tested."""
+    """One array of both files, and the tests of its bins."""
 
     def __init__(self, name: str, results: list[Fields], known: list[bool]) -> None:
         array = results[0][name]
@@ -97,7 +101,7 @@ class Array:
         return np.zeros(1) if self.name == "Rsp" and not known else None
 
     def _add(self, i: int, digits: int) -> Group:
-        """A bin as a group: both means, their errors, and what the digits of both files leave open."""
+        """Returns bin i as a group: means, errors, and the rounding of printed digits in both files."""
         measure, mean, sigma, rounding = float(self.measure[i]), [0.0, 0.0], [0.0, 0.0], 0.0
         for k in (0, 1):
             value = float(self.value[k][i])
@@ -111,7 +115,8 @@ class Array:
         return [self._add(i, 6 if self.total else 5) for i in range(self.value[0].size)]
 
     def own_variance(self, group: Group, k: int) -> float:
-        """Variance of one packet's score by the file's own errors. Absorbed weight is at most what was launched."""
+        """Returns the variance of one packet's score in file k, from the errors of that file. Absorbed weight is at most the
+        launched weight."""
         n = self.packets[k]
         if not self.deep or group.first == group.last:
             return n * group.squares[k]
@@ -119,8 +124,11 @@ class Array:
         return min(most, group.mean[k]) if self.bounded else most
 
     def typical_score(self, bins: list[Group], group: Group, k: int) -> float:
-        """Mean square over mean of a packet's score in the group's bins or, where they hold too few packets, in a wider range: their own
-        scatter would go with their mean. 1, the largest for scores up to 1, when the whole profile has too few."""
+        """Returns the mean square over the mean of a packet's score in file k.
+
+        The bins of the group are used if they hold enough packets. Otherwise a wider range is used, because in few packets the
+        scatter is large when the mean is. If the whole profile has too few packets, returns 1, the largest ratio for scores up
+        to 1."""
         n, mean, below, above = self.packets[k], group.mean[k], group.first - 1, group.last + 1
         square = n * group.squares[k] + mean ** 2
         while _packets(n, mean, square) < WIDER and (below >= 0 or above < len(bins)):
@@ -132,8 +140,10 @@ class Array:
         return square / mean if _packets(n, mean, square) >= WIDER else 1.0
 
     def estimate(self, bins: list[Group], group: Group, mean: float) -> list[float]:
-        """Variances per packet where a file has no errors: mean square less squared mean. The mean is that of both, or the file's own when
-        it is larger, so that a chance excess is not overrated. Only a lender that cannot say how packets scatter keeps its own."""
+        """Returns variances per packet if a file has no errors: mean square less squared mean.
+
+        The mean is that of both files, or the file's own if that is larger, so that a chance excess is not overrated. A lender
+        that was sampled on a lattice cannot tell the scatter of packets, and keeps its own variance."""
         lender = 0 if self.error[0] is not None else 1
         lent = self.error[lender] is not None
         says = lent and self.lends[lender]
@@ -145,7 +155,8 @@ class Array:
         return variance
 
     def spread(self, bins: list[Group], group: Group) -> tuple[list[float], float]:
-        """Variance of one packet's score in both files, and packets of the mean weight that the smaller run has in the group."""
+        """Returns the variance of one packet's score in both files, and the number of packets of the mean weight that the
+        smaller run has in the group."""
         n = self.packets
         mean = (n[0] * group.mean[0] + n[1] * group.mean[1]) / (n[0] + n[1])
         both = self.error[0] is not None and self.error[1] is not None
@@ -153,7 +164,8 @@ class Array:
         return v, _packets(min(n), mean, (n[0] * v[0] + n[1] * v[1]) / (n[0] + n[1]))
 
     def test(self, bins: list[Group], group: Group, whole: bool = False) -> Test:
-        """When both have errors the larger of two variances counts (Welch, Biometrika 34 (1947) 28, for the degrees of freedom)."""
+        """Tests a group of bins. If both files have errors, the larger of two variances counts. Degrees of freedom: Welch,
+        Biometrika 34 (1947) 28."""
         n, (v, _) = self.packets, self.spread(bins, group)
         variance = (v[0] / n[0], v[1] / n[1])
         common = (n[0] * v[0] + n[1] * v[1]) / (n[0] + n[1]) * (1 / n[0] + 1 / n[1])
@@ -168,7 +180,8 @@ class Array:
         return Test(self.name, group.first, group.last, value, error, z, math.erfc(abs(z) / math.sqrt(2)), whole)
 
     def groups(self, bins: list[Group]) -> list[Group]:
-        """Closed where both runs together say so, never by one of them, which would favour its chance. What is left over joins the last."""
+        """Joins bins to groups. A group ends when both runs together have enough packets; a choice by one run would favour its
+        chance. The rest joins the last group."""
         closed: list[Group] = []
         open_: Optional[Group] = None
         for bin_ in bins:
@@ -190,14 +203,14 @@ class Array:
         return tests
 
     def tests_alone(self, seen: list[tuple[float, float]]) -> list[Test]:
-        """Number by number, where both errors are known and enough packets were seen."""
+        """Tests every number alone, if both errors are known and enough packets were seen."""
         if min(self.packets) < BATCHES * ENOUGH or not all(value >= math.sqrt(ENOUGH) * error for value, error in seen):
             return []
         good = [i for i in range(self.value[0].size) if all(np.isfinite(self.value[k][i]) and self.error[k][i] > 0 for k in (0, 1))]
         return [self.test([], self._add(i, 5)) for i in good]
 
     def place(self, test: Test) -> str:
-        """Where its bins are: "r [cm] 0.12..0.13", "layer 2", "x = 0.1 cm, y = -0.2 cm, z = 0.05 cm and 3 more"."""
+        """Names the bins of a test: "r [cm] 0.12..0.13", "layer 2", "x = 0.1 cm, y = -0.2 cm, z = 0.05 cm and 3 more"."""
         if test.whole:
             return "the sum"
         if not self.dims:
@@ -215,12 +228,12 @@ class Array:
 
 
 def _is_of_cells(dims: tuple[Any, ...]) -> bool:
-    """Whether an array has pixels, voxels or facets."""
+    """True if an array has pixels, voxels or facets."""
     return any(str(dim) in ("x", "y", "z_volume") or str(dim).endswith(("facet", "_x", "_y")) for dim in dims)
 
 
 def _place_on(axis: Field, i: int) -> str:
-    """The middle of bin i with its unit, or a number that counts.
+    """Returns the middle of bin i on the axis with its unit, or the number of the bin if the axis counts.
 
     >>> _place_on(Field([0.05, 0.15], ("z_volume",), {"units": "cm"}, "z_volume"), 1), _place_on(Field([1, 2], ("layer",), {"units": "1"}, "layer"), 1)
     ('z = 0.15 cm', 'layer 2')
@@ -231,7 +244,8 @@ def _place_on(axis: Field, i: int) -> str:
 
 
 def _packets(n: float, mean: float, variance: float) -> float:
-    """Packets of the mean weight that n launched ones leave where one packet's score has this mean and variance."""
+    """Returns the number of packets of the mean weight that arrive from n launched packets, if one packet's score has this mean
+    and variance."""
     if not mean > 0:
         return 0.0
     return n * mean * (mean / variance) if variance > 0 else math.inf
@@ -250,7 +264,8 @@ def _all(bins: list[Group]) -> Group:
 
 
 def _width(axis: Field) -> float:
-    """Of equal bins, from the first one's middle; of pixels and voxels, whose first middle may lie anywhere, from two middles.
+    """Returns the width of the bins of an axis. Bins from zero give it by their first middle. Pixels and voxels, which may
+    begin anywhere, give it by two middles.
 
     >>> _width(Field([0.5, 1.5], ("r",), name="r"))
     1.0
@@ -260,8 +275,10 @@ def _width(axis: Field) -> float:
 
 
 def _measures(array: Field) -> Any:
-    """What each number is multiplied by to be weight per packet: sizes of bins, rings and solid angles, the latter projected beside r. Of
-    pixels and voxels equal sizes alone, of facets 1: any weights will do that are those of both files."""
+    """Returns the factor of each number that turns it into weight per packet: areas of rings, widths of bins and solid angles
+    (projected beside r).
+
+    Pixels and voxels get their equal size and facets get 1. Any factor will do there, as long as both files have the same."""
     measure = np.ones(array.shape)
     for at, dim in enumerate(array.dims):
         axis, width = array.axes[dim], _width(array.axes[dim]) if array.axes[dim].size and dim not in ("layer", "body", "medium", "inside", "side") else 1.0
@@ -282,14 +299,15 @@ def _measures(array: Field) -> Any:
 
 
 def _normal_of_student(t: float, freedom: float) -> float:
-    """The normal deviate of the tail of Student's t (Wallace, Ann. Math. Statist. 30 (1959) 1121)."""
+    """Returns the normal deviate whose tail equals that of Student's t (Wallace, Ann. Math. Statist. 30 (1959) 1121)."""
     if not (freedom < math.inf and abs(t) < math.inf):
         return t
     return math.copysign((8 * freedom + 1) / (8 * freedom + 3) * math.sqrt(freedom * math.log1p(t * t / freedom)), t)
 
 
 def limit_of(level: float, tests: int) -> float:
-    """The |z| in one of so many tests at which all together keep the level (Sidak, J. Amer. Statist. Assoc. 62 (1967) 626).
+    """Returns the |z| that one of `tests` tests must exceed, so that all tests together keep the level (Sidak, J. Amer.
+    Statist. Assoc. 62 (1967) 626).
 
     >>> round(limit_of(0.05, 1), 4)
     1.96
@@ -302,7 +320,8 @@ def limit_of(level: float, tests: int) -> float:
 
 
 class Comparison:
-    """The tests of two results. p: of a difference as large as the largest, by chance, corrected for the number of tests."""
+    """The tests of two results. p: probability of a difference as large as the largest by chance, corrected for the number of
+    tests."""
 
     def __init__(self, paths: list[str], names: list[str]) -> None:
         self.names = names
@@ -321,13 +340,13 @@ class Comparison:
         self.p = -math.expm1(len(self.tests) * math.log1p(-self.worst[0].p)) if self.worst and self.worst[0].p < 1 else 1.0
 
     def _names(self) -> list[str]:
-        """Totals first, then original MCML's profiles, then what else both have."""
+        """Returns the names of arrays that both results have: first totals, then original MCML's profiles, then all others."""
         both = [name for name in self.results[0].names() if name in self.results[1]]
         first = [name for name in TOTALS + OF_MCML if name in both]
         return first + [name for name in both if name not in first and not name.endswith("_se") and not GIVEN.fullmatch(name)]
 
     def _check_grids(self) -> None:
-        """Refuses results whose bins differ. Materials may differ: that is often the question."""
+        """Refuses results whose bins differ. Materials may differ, because that is often the question."""
         a, b = self.results
         for dim, size, field in (("z", "nz", "dz"), ("r", "nr", "dr"), ("alpha", "na", ""), ("gate", "time: number of gates", "time: width of a gate"),
                                  ("theta", "directions: NT", ""), ("phi", "directions: NP", "")):
@@ -335,11 +354,12 @@ class Comparison:
                 continue
             pairs = [(size, a[dim].size, b[dim].size)] + ([(field, _width(a[dim]), _width(b[dim]))] if field else [])
             for name, one, other in reversed(pairs):
-                if abs(one - other) > 1e-5 * one:  # a length has six digits in the file
+                if abs(one - other) > 1e-5 * one:  # a length has six digits in an .mco file
                     raise errors.InputError(f"{self.names[1]}: {name} = {other:g} (expected {one:g}, as in {self.names[0]})")
 
     def _test(self, name: str) -> None:
-        """Cells of maps and voxels that both have are named where they cannot be tested; others are left out without a word."""
+        """Tests one array. Maps and voxels that both files have, but that cannot be tested, are noted in left_out. Other arrays
+        that cannot be tested are skipped silently."""
         a, b = (result[name] for result in self.results)
         cells = _is_of_cells(a.dims)
         both = all(name + "_se" in result for result in self.results)
@@ -358,12 +378,13 @@ class Comparison:
         self.arrays[name], self.found[name] = array, array.tests_alone(self._seen(name)) if array.alone else array.tests()
 
     def _seen(self, name: str) -> list[tuple[float, float]]:
-        """Of a mean of a detector what that has seen in both files, and its errors."""
+        """Returns the light that the detector of a mean has seen, with its error, in both files. Other arrays give an empty
+        list."""
         mean = OF_DETECTED.fullmatch(name)
         return [(float(result[mean[1]]), float(result[mean[1] + "_se"])) for result in self.results if mean and mean[1] + "_se" in result]
 
     def _check(self, array: Array, k: int) -> None:
-        """Refuses numbers that no run writes. Errors of a single packet, and means of nothing, do not exist."""
+        """Refuses numbers that no run writes. NaN is allowed as the error of a single packet and as the mean of nothing."""
         least = -MOST if array.alone else 0.0
         none = array.alone or array.packets[k] < BATCHES
         for numbers, low, ending in ((array.value[k], least, ""), (array.error[k], 0.0, "_se")):
@@ -375,7 +396,7 @@ class Comparison:
                 raise errors.InputError(f"{self.names[k]}: {array.name}{ending}{at} = {numbers[bad[0]]:g} (expected a number from {low:g} to {MOST:g})")
 
     def told(self, alpha: float) -> dict[str, Any]:
-        """What --json says."""
+        """Returns the object that --json prints."""
         quantities = {}
         for name, array in self.arrays.items():
             tests = self.found[name]
@@ -396,7 +417,7 @@ class Comparison:
     # ---- for people ----
 
     def summary(self, alpha: float) -> str:
-        """From what is known to what follows from it: files, totals, arrays, the worst, the verdict."""
+        """Returns the summary for people: files, notes, totals, arrays, the worst tests, the verdict."""
         lines = [self._file(k) for k in (0, 1)] + self._notes() + [f"{'':5} {'a':>12} {'error':>10} {'b':>12} {'error':>10} {'z':>8}"]
         lines += [f"{test.name:5} {test.value[0]:12.6g} {test.error[0]:10.2g} {test.value[1]:12.6g} {test.error[1]:10.2g} {test.z:+8.2f}" for test in self.tests if test.name in TOTALS]
         for name, array in self.arrays.items():
@@ -419,7 +440,7 @@ class Comparison:
         return "\n".join(lines + [f"p = {self.p:.3g} (Sidak over {len(self.tests)} tests): {verdict} at the level {alpha:g}", ""])
 
     def _file(self, k: int) -> str:
-        """Where the errors come from decides how much a difference means, so it stands first."""
+        """Returns the line about file k. It says where the errors come from, because the weight of a difference depends on it."""
         words = "standard errors from the file"
         if not self.known[k]:
             words = "no standard errors: upper bounds"
@@ -429,7 +450,7 @@ class Comparison:
         return f"{'ab'[k]}: {shown_path(self.names[k])}, {self.results[k].attrs['photons']} packets, {words}"
 
     def _notes(self) -> list[str]:
-        """What explains a difference, or an agreement, without being tested itself."""
+        """Returns notes on what may explain a difference, or an agreement, and is not tested itself: seeds, layers, materials."""
         a, b = self.results
         notes = []
         if "seed" in a.attrs and all(a.attrs.get(name) == b.attrs.get(name) for name in ("seed", "run")):
@@ -453,12 +474,12 @@ class Comparison:
 
 
 def _finite(z: float) -> float:
-    """JSON knows no infinity: a difference without any noise."""
+    """Bounds z for JSON, which has no infinity. An infinite z is a difference without any noise."""
     return min(max(z, -1e300), 1e300)
 
 
 def _has_errors(result: Fields) -> bool:
-    """Fewer packets than batches make no error."""
+    """True if the result has standard errors of its totals. Fewer packets than batches have none."""
     return result.attrs["photons"] >= BATCHES and all(name + "_se" in result and not np.isnan(float(result[name + "_se"])) for name in TOTALS[:4])
 
 
@@ -467,7 +488,7 @@ def _tallied(result: Fields) -> bool:
 
 
 def _same_axes(a: Field, b: Field) -> bool:
-    """Places are equal but for their digits."""
+    """True if the axes of two arrays are equal up to their printed digits."""
     if a.dims != b.dims or a.shape != b.shape:
         return False
     for dim in a.dims:
@@ -508,7 +529,7 @@ def _compared(paths: list[str], names: list[str]) -> Comparison:
 
 
 def main(words: list[str]) -> int:
-    """The command: exit code 1 where the results differ, so that scripts can tell that from an error."""
+    """Runs the command `compare`. The exit code is 1 if the results differ, which scripts can tell from an error."""
     parser = Parser("compare", "a.mco b.mco", "Tests the totals, every bin of every array and the sums of arrays of two results on the same grid, ours or original "
                     "MCML's. Prints z and a p-value that is corrected for the number of tests. Exit code 1 where they differ.", "clustermcml compare a.mco b.mco -o z.svg")
     parser.add_argument("files", nargs=2, metavar="FILE", help=".mco or .h5")

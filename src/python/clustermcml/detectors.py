@@ -1,4 +1,4 @@
-"""What sees light that leaves: `detector` lines.
+"""Detectors, which see light that leaves: the `detector` lines of a scene.
 
 SPDX-License-Identifier: MIT
 """

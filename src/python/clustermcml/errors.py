@@ -1,4 +1,4 @@
-"""What can go wrong, and how arguments are checked.
+"""Exceptions of the package, and checks of arguments.
 
 SPDX-License-Identifier: MIT
 """
@@ -31,7 +31,7 @@ class InputError(ClustermcmlError, ValueError):
 
 
 def _shown(value: object) -> str:
-    """A value in one line; of a long list or array the beginning.
+    """Returns a value in one line for a message. A long list or array is cut after 200 letters.
 
     >>> _shown(np.zeros((2, 2)))
     'array([[0., 0.], [0., 0.]])'
@@ -41,18 +41,18 @@ def _shown(value: object) -> str:
 
 
 def refuse(name: str, value: object, expected: str) -> InputError:
-    """The error of an argument: its name, its value, and what was expected."""
+    """Returns the exception for a bad argument: its name, its value, and the expected values in words."""
     return InputError(f"{name} = {_shown(value)} (expected {expected})")
 
 
 def unreadable(path: str, expected: str, error: Exception) -> InputError:
-    """The error of a file whose reading has failed, in one line."""
-    kind = "" if type(error) is ValueError else type(error).__name__ + ": "  # a ValueError has our own words
+    """Returns the exception, in one line, for a file whose reading has failed with `error`."""
+    kind = "" if type(error) is ValueError else type(error).__name__ + ": "  # the text of a ValueError is written in this package
     return InputError(f"{path}: not {expected} ({kind}{' '.join(str(error).split())[:200]})")
 
 
 def number(name: str, value: Any, least: float, most: float, expected: str) -> float:
-    """The value as a float, if it is a number from `least` to `most`.
+    """Returns the value as a float. Refuses all but numbers from `least` to `most`.
 
     >>> number("Layer.g", 1.5, -1, 1, "a number from -1 to 1")
     Traceback (most recent call last):
@@ -81,10 +81,10 @@ def finite(name: str, value: Any) -> float:
 
 
 def whole(name: str, value: Any, least: int, most: int) -> int:
-    """The value as an int, if it is a whole number from `least` to `most`; 1e6 is one."""
+    """Returns the value as an int. Refuses all but whole numbers from `least` to `most`. 1e6 is a whole number."""
     expected = f"a whole number from {least} to {most}"
     as_float = number(name, value, least, most, expected)
-    if as_float != int(as_float) or not least <= int(value) <= most:  # a float may be the limit where an int is beyond
+    if as_float != int(as_float) or not least <= int(value) <= most:  # rounding to float may hide that an int is just above the limit
         raise refuse(name, value, expected)
     return int(value)
 
@@ -100,8 +100,10 @@ def choice(name: str, value: Any, *known: str) -> None:
 
 
 def array(name: str, value: Any, kinds: str, expected: str) -> Any:
-    """The value as an array of finite numbers, whose dtype is of one of the kinds. What a mask hides is no number. Of a large array with
-    holes the first is named: its beginning may have none.
+    """Returns the value as an array of finite numbers. kinds: the allowed kinds of its dtype, as letters of numpy.
+
+    Masked numbers are refused. The message names the first number that is missing, because the shown beginning of a large array
+    may have none.
 
     >>> array("Mesh.faces", [[0, 1, 2], [3]], "iu", "an array [m, 3] of whole numbers")
     Traceback (most recent call last):
@@ -124,12 +126,12 @@ def array(name: str, value: Any, kinds: str, expected: str) -> Any:
 
 
 def existing_file(name: str, value: Any, expected: str = "the path of a file that is there") -> str:
-    """The path of a file that is there, absolute."""
+    """Returns the absolute path of a file. Refuses a path where no file is."""
     if not isinstance(value, (str, os.PathLike)):
         raise refuse(name, value, expected)
     try:
         there = os.path.isfile(value)
-    except ValueError:  # a NUL character, or half of a pair
+    except ValueError:  # the path has a NUL character, or half of a surrogate pair
         there = False
     if not there:
         raise refuse(name, os.fspath(value), expected)
@@ -137,7 +139,7 @@ def existing_file(name: str, value: Any, expected: str = "the path of a file tha
 
 
 def quoted_file(name: str, value: Any, expected: str = "the path of a file that is there") -> str:
-    """The path of a file that is there as a word of an `.mci` in any folder: absolute, in quotes."""
+    """Returns the absolute path of an existing file in quotes, which an `.mci` file in any folder can hold."""
     path = existing_file(name, value, expected)
     if re.search('["\r\n]', path):
         raise refuse(name, path, "a path without quotation marks and ends of lines")
@@ -145,7 +147,7 @@ def quoted_file(name: str, value: Any, expected: str = "the path of a file that 
 
 
 def folder(name: str, value: Any) -> str:
-    """The path of a folder, absolute, which is made where it is not there."""
+    """Returns the absolute path of a folder, which is made if it does not exist."""
     if not isinstance(value, (str, os.PathLike)) or not os.fspath(value):
         raise refuse(name, value, "a folder")
     try:
@@ -156,12 +158,12 @@ def folder(name: str, value: Any) -> str:
 
 
 def is_line(text: str) -> bool:
-    """Whether a file in UTF-8 can hold the text in one line."""
+    """True if a file in UTF-8 can hold the text in one line."""
     return not any(unicodedata.category(sign) in ("Cc", "Cs", "Zl", "Zp") for sign in text)
 
 
 def text(name: str, value: Any) -> str:
-    """The value, if it is a text of one line that a file in UTF-8 can hold.
+    """Returns the value if it is a text of one line that a file in UTF-8 can hold; refuses it otherwise.
 
     >>> text("Saved.name", "a\\nb")
     Traceback (most recent call last):
@@ -174,14 +176,14 @@ def text(name: str, value: Any) -> str:
 
 
 def rounded(value: float, error: float, sign: str = "+-") -> str:
-    """A value and its standard error, to two digits of the error.
+    """Returns a value and its standard error as text, rounded to two digits of the error.
 
     >>> rounded(5.21656, 1.6), rounded(123456, 4321), rounded(1.23e-7, 4.5e-9), rounded(2, float("inf"))
     ('5.2 +- 1.6', '123500 +- 4300', '1.230e-07 +- 4.5e-09', '2 +- inf')
     """
     if not (math.isfinite(value) and math.isfinite(error) and error > 0):
         return f"{value:.6g} {sign} {error:.2g}"
-    last = int(f"{error:.1e}".partition("e")[2]) - 1  # the power of ten of the error's second digit
+    last = int(f"{error:.1e}".partition("e")[2]) - 1  # power of ten of the second digit of the error
     if last < -6:
         size = int(f"{max(abs(value), error):.6e}".partition("e")[2])
         return f"{value:.{max(size - last, 0)}e} {sign} {error:.1e}"

@@ -1,4 +1,4 @@
-"""Meshes whose facets have numbers: reads the .vtp files that runs leave, and draws them from the side, shaded.
+"""Pictures of meshes with a number for each facet: reads the .vtp files that runs write, and draws them from the side, shaded.
 
 SPDX-License-Identifier: MIT
 """
@@ -14,18 +14,19 @@ from . import errors
 from .command_line import readable, shown_path
 
 TYPES = {"Float64": "<f8", "Float32": "<f4", "UInt32": "<u4", "Int64": "<i8"}
-RASTER = 2000  # facets from which a picture holds pixels in place of polygons
+RASTER = 2000  # number of facets from which a picture holds pixels in place of polygons
 
 
 class Mesh(NamedTuple):
     points: Any  # [n, 3] cm, z down
-    corners: Any  # numbers of points, facet behind facet
-    ends: Any  # [m] of each facet's corners
-    values: Any  # [m]
+    corners: Any  # indices of points, facet after facet
+    ends: Any  # [m] end of each facet in corners
+    values: Any  # [m] number of each facet
 
 
 def read_mesh(path: str, name: str) -> Mesh:
-    """The shapes and one array of a .vtp file of ours: arrays behind one header, each behind its number of bytes."""
+    """Reads the shape and one array of a .vtp file of this program. Its arrays follow one header, each after its number of
+    bytes."""
     with open(readable(path), "rb") as file:
         content = file.read()
     try:
@@ -47,12 +48,13 @@ def read_mesh(path: str, name: str) -> Mesh:
         return Mesh(points, corners, ends, arrays[name].astype(float))
     except errors.InputError:
         raise
-    except Exception as error:  # whatever numpy says of bytes that are not what they should be
+    except Exception as error:  # numpy has many exceptions for damaged bytes
         raise errors.unreadable(path, "a .vtp file of this program", error) from error
 
 
 def _normals(places: Any, starts: Any, sizes: Any) -> Any:
-    """Twice the area of each polygon as a vector, whichever corners coincide. places: of all corners."""
+    """Returns twice the area of each polygon as a vector, even if corners coincide. places: [n, 3] of all corners. starts:
+    first corner of each polygon."""
     following = np.arange(1, len(places) + 1)
     following[starts + sizes - 1] = starts
     arms = places - np.repeat(places[starts], sizes, axis=0)
@@ -60,23 +62,23 @@ def _normals(places: Any, starts: Any, sizes: Any) -> Any:
 
 
 def _polygons(axes: Any, places: Any, starts: Any, sizes: Any, colours: Any) -> Any:
-    """All facets as the finished axes see them, the farthest first. matplotlib's own collection projects and sorts them one by one, at each
-    drawing."""
+    """Returns all facets as polygons in the picture, the farthest first. The axes must be finished. matplotlib's
+    Poly3DCollection projects and sorts facets one by one at each drawing, which is slow."""
     from matplotlib.collections import PolyCollection
     from mpl_toolkits.mplot3d.proj3d import proj_transform
 
     class Polygons(PolyCollection):  # type: ignore[misc]
-        """Polygons in the plane of the picture, among things in space."""
+        """Polygons in the plane of the picture that are drawn among objects in space."""
 
         def do_3d_projection(self) -> float:
-            """How near they are: nothing else is to be sorted."""
+            """Returns the depth of the collection. The constant is enough, because the picture has no other collection to sort."""
             return 0.0
 
     x, y, depth = proj_transform(*places.T, axes.get_proj())
     order = np.argsort(-np.add.reduceat(depth, starts) / sizes, kind="stable")
     seen = np.stack([x, y], axis=1)
     if (sizes == sizes[0]).all():
-        seen = seen.reshape(-1, sizes[0], 2)[order]  # far quicker than a list
+        seen = seen.reshape(-1, sizes[0], 2)[order]  # an array is drawn far quicker than a list
     else:
         seen = [seen[starts[i]:starts[i] + sizes[i]] for i in order]
     return Polygons(seen, facecolors=colours[order], edgecolors="none", linewidths=0, antialiased=False, rasterized=len(sizes) > RASTER)
@@ -99,7 +101,7 @@ def draw_mesh(matplotlib: Any, axes: Any, mesh: Mesh, norm: Any) -> None:
     axes.set_ylabel("y  [cm]", labelpad=22)
     flat = size[2] / size.max()
     axes.set_box_aspect(np.maximum(size / size.max(), 0.08), zoom=1.0 - 0.2 * flat)
-    for i, set_ticks in enumerate((axes.set_xticks, axes.set_yticks)):  # none at the ends, whose labels would meet in a corner
+    for i, set_ticks in enumerate((axes.set_xticks, axes.set_yticks)):  # no ticks at the ends, because their labels would meet in a corner
         ticks = MaxNLocator(5).tick_values(low[i], high[i])
         set_ticks(ticks[abs(ticks - (low[i] + high[i]) / 2) < 0.45 * size[i]])
     axes.set_zticks([])

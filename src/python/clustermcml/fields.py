@@ -15,12 +15,12 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
-OF_DETECTED = re.compile(r"(detector_\w+)_(path|interactions|momentum|deepest)")  # means over what a detector has seen
+OF_DETECTED = re.compile(r"(detector_\w+)_(path|interactions|momentum|deepest)")  # means over the packets that a detector has seen
 
 
 @dataclass
 class Field:
-    """An array. axes: a Field for each of its dims."""
+    """An array with named axes. axes: a Field for each of its dims."""
 
     values: Any
     dims: tuple[str, ...] = ()
@@ -43,14 +43,14 @@ class Field:
         return int(self.values.size)
 
     def times(self, factor: Any) -> Field:
-        """The field times numbers along its last axis, or one number."""
+        """Returns the field times a number, or times numbers along its last axis."""
         return replace(self, values=self.values * factor)
 
     def turned(self) -> Field:
         return replace(self, values=self.values.T, dims=self.dims[::-1])
 
     def part(self, dim: str, which: Union[int, slice]) -> Field:
-        """One place of an axis, or a range of it.
+        """Returns the field at one place of an axis, or over a range of it.
 
         >>> r = Field([0.5, 1.5, 2.5], ("r",), name="r")
         >>> Field([7, 8, 9], ("r",), axes={"r": r}).part("r", slice(1, None)).axes["r"].values.tolist()
@@ -63,13 +63,14 @@ class Field:
         return replace(self, values=values, dims=self.dims[:at] + self.dims[at + 1:], axes=axes)
 
     def nearest(self, dim: str, place: float) -> Field:
-        """The bin whose middle is nearest; of two the later."""
+        """Returns the field in the bin whose middle is nearest to `place`. If two are as near, the later one counts."""
         distance = abs(self.axes[dim].values - place)
         return self.part(dim, int(np.flatnonzero(distance == distance.min())[-1]))
 
 
 class Fields:
-    """All arrays of a file by name, axes among them, and what the file says of the run. Refuses arrays that do not fit to their axes."""
+    """All arrays of a file by name, axes included, and the attributes of the run. Refuses arrays whose sizes differ from those
+    of their axes."""
 
     def __init__(self, held: dict[str, Field], attrs: dict[str, Any]) -> None:
         self.attrs, self.held = attrs, held
@@ -91,7 +92,7 @@ class Fields:
         return self.held.get(name)
 
     def names(self) -> list[str]:
-        """Names of what is no axis."""
+        """Returns the names of all arrays except axes."""
         return [name for name, one in self.held.items() if one.dims != (name,)]
 
     def dataset(self) -> xr.Dataset:

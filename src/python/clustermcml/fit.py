@@ -1,8 +1,9 @@
-"""Which absorption and scattering explain what was measured of a scene.
+"""Finds the absorption and scattering that explain measured reflectance and transmittance.
 
-A flight gives every absorption at once, as weights of its packets (`--reweight`); flights at a few mus, with the same random numbers, are
-interpolated, and one is added until they know where the solution lies. There a last one flies with random numbers of its own, and with
-derivatives: values come of it alone, of the others slopes, so that no noise is in both.
+One flight gives the results for every absorption, by weights of its packets (`--reweight`). For mus, flights with equal random
+numbers are made at a few values and interpolated, and more are added until one lies at the solution. There, a last flight (the
+anchor) is made with random numbers of its own and with derivatives. Values then come from the anchor alone, and slopes mostly
+from the other flights. The noise of values and slopes is therefore independent.
 
 SPDX-License-Identifier: MIT
 """
@@ -30,17 +31,17 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 NAMES = "names like layer1.mua, layer2.mus, body1.mua, or with the name of a layer: gel.mua"
-ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # of the table of a flight along each mua, by how many of these are sought
-BRACKET = 0.2  # of the first flights from the middle of the bounds, in ln mus
-NEAR = 0.6  # within which flights tell slopes, in the same
+ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # number of fitted mua: rows of a flight's table along each mua
+BRACKET = 0.2  # distance of the first flights from the middle of the bounds, in ln mus
+NEAR = 0.6  # distance within which flights tell slopes, in ln mus
 CURVED = 0.01  # noise of logarithms that hides a curvature of 1
-SETTLED = 0.2  # standard errors between the solution and the flight that tells it
-REACH = 2.0  # the same, where one with random numbers of its own follows, and of that
-OTHER_SEED = 2**40  # from the flights' seed to that of the last one
-NOISY = 0.3  # of what the slopes seem to tell of a parameter, what may be their noise
-BATCHES = 64  # of which the program makes errors
-REDRAWN = 100  # flights, for the error of a correlation
-TINY = 1e-30  # what bins that saw nothing count as, so that they have a logarithm
+SETTLED = 0.2  # largest distance between the solution and the flight that gives the values, in standard errors
+REACH = 2.0  # as SETTLED, if an anchor follows; also the largest distance between the solution and the anchor
+OTHER_SEED = 2**40  # difference between the seeds of the anchor and of the other flights
+NOISY = 0.3  # largest share of a parameter's information that may be noise of the slopes
+BATCHES = 64  # number of batches from which the program computes errors
+REDRAWN = 100  # number of redrawn flights for the error of a correlation
+TINY = 1e-30  # value of bins that saw nothing, which need a logarithm
 
 
 @dataclasses.dataclass(frozen=True)
@@ -111,7 +112,7 @@ class Fit:
 
 
 def _bounds(parameters: Any) -> tuple[list[str], list[str], dict[str, tuple[float, float]]]:
-    """Names of mua and of mus, and logarithms of the bounds."""
+    """Returns the names of the mua and of the mus, and the logarithms of their bounds."""
     if not isinstance(parameters, Mapping) or not parameters:
         raise errors.refuse("parameters", parameters, 'a dict of bounds, {"layer1.mua": (0.01, 10), "layer1.mus": (10, 500)}')
     limits: dict[str, tuple[float, float]] = {}
@@ -133,7 +134,7 @@ def _bounds(parameters: Any) -> tuple[list[str], list[str], dict[str, tuple[floa
 
 
 def _numbered(scene: Union[Scene, Path], names: list[str]) -> list[str]:
-    """The names with the numbers of layers that have a name in the scene."""
+    """Returns the names with layerN in place of a layer's own name in the scene."""
     if all(re.fullmatch(r"(layer|body)\d+\..*", name) for name in names):
         return names
     with warnings.catch_warnings():
@@ -153,28 +154,28 @@ def _numbered(scene: Union[Scene, Path], names: list[str]) -> list[str]:
 
 @dataclasses.dataclass(frozen=True)
 class _Flight:
-    """At one mus: all numbers that were measured, for a grid of mua. mus: logarithms."""
+    """A flight at one value of each mus: all measured numbers, over a grid of mua. mus: logarithms."""
 
     mus: Any
-    logs: Any  # [rows along each mua ..., numbers] of the model
-    covariance: Callable[[tuple[int, ...]], Any]  # of the model's noise, at a place of the grid
+    logs: Any  # logarithms of the model's numbers [rows along each mua ..., numbers]
+    covariance: Callable[[tuple[int, ...]], Any]  # returns the covariance of the model's noise at a place of the grid
     seed: int
-    places: dict[str, Any]  # middles of a profile's bins that were measured
+    places: dict[str, Any]  # middles of the measured bins of each profile
 
 
 @dataclasses.dataclass(frozen=True)
 class _Anchor:
-    """A flight at one place of all parameters, with random numbers of its own."""
+    """The anchor: a flight at one value of all parameters, with random numbers of its own. u: logarithms of the parameters."""
 
     u: Any
-    logs: Any  # [numbers]
-    slopes: Any  # [numbers, parameters] of logs
-    errors: Any  # of slopes, inf where they are not known
-    covariance: Any  # of the model's noise
+    logs: Any  # [numbers] logarithms of the model's numbers
+    slopes: Any  # [numbers, parameters] derivatives of logs by u
+    errors: Any  # standard errors of slopes, inf if unknown
+    covariance: Any  # of the noise of the model's numbers
 
 
 def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
-    """Arrays of a row, and axes, and no more, as a flight has many rows."""
+    """Reads the wanted arrays of a row and its axes r and alpha. Other arrays are skipped, because a flight has many rows."""
     h5 = next((path for path in told["files"] if path.endswith(".h5")), None)
     names = [*wanted, "r", "alpha"]
     if h5 is None:
@@ -186,7 +187,7 @@ def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
 
 
 def _measures(data: Data, result: Any) -> Any:
-    """By what numbers are multiplied to be shares of the light."""
+    """Returns the factors that turn measured numbers into shares of the launched light: areas of rings, or solid angles."""
     def of(name: str) -> Any:
         if name not in PROFILES:
             return 1.0
@@ -197,13 +198,15 @@ def _measures(data: Data, result: Any) -> Any:
 
 
 def _noise(data: Data, model: Any, sigma: Any, measures: Any, told: Mapping[str, float], photons: float) -> Any:
-    """The covariance of a model's numbers. A packet ends once: what has gone to one place is missing at all others. Of the totals, which
-    are spread more evenly than by chance, A tells it: what is left of Rd and Tt."""
+    """Returns the covariance of the model's numbers.
+
+    A packet ends once, so that light in one place is missing at all others. Totals scatter less than by chance; their
+    covariance follows from A, because Rd and Tt share the light that is not absorbed."""
     shares, spread = model * measures, sigma * measures
     covariance = -np.outer(shares, shares) / photons
     inside = [(i, k) for i, name in enumerate(data.names) for k, other in enumerate(data.names)
               if name not in TOTALS and other in TOTALS and data.sides[name] == other[0]]
-    for i, k in inside:  # all of the bin's or the detector's light is the total's, too
+    for i, k in inside:  # all light of the bin or the detector is also light of the total
         covariance[i, k] += spread[i] ** 2 + shares[i] ** 2 / photons
         covariance[k, i] = covariance[i, k]
     up, down = ([i for i, name in enumerate(data.names) if name in names] for names in (("Rd", "R"), ("Tt",)))
@@ -215,7 +218,7 @@ def _noise(data: Data, model: Any, sigma: Any, measures: Any, told: Mapping[str,
 
 
 def _numbers(data: Data, told: Mapping[str, Any], result: Any) -> tuple[Any, Any]:
-    """The model's numbers, and their errors, of one row."""
+    """Returns the model's numbers in one row, and their errors."""
     def of(name: str) -> Any:
         if name not in PROFILES:
             return told["Rsp"] + told["Rd"] if name == "R" else told[name]
@@ -229,13 +232,14 @@ def _numbers(data: Data, told: Mapping[str, Any], result: Any) -> tuple[Any, Any
     return data.pick(of), data.pick(error_of)
 
 
-def _told(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows: int, options: Mapping[str, Any],
-          read: Callable[[Mapping[str, Any]], Any]) -> list[tuple[Mapping[str, Any], Any]]:
-    """What the program says of every row, and what `read` finds in its files. words: options, and what they name in a folder."""
+def _fly_rows(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows: int, options: Mapping[str, Any],
+              read: Callable[[Mapping[str, Any]], Any]) -> list[tuple[Mapping[str, Any], Any]]:
+    """Flies all rows. Returns, for each, the answer of the program and what `read` finds in its files. words: function that
+    writes files into a folder and returns the options that name them."""
     with scratch_folder() as scratch, scene_file(scene, scratch) as file:
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", ".*effective packets")  # most rows are far from the solution
-            warnings.filterwarnings("ignore", ".* counts from above")  # who names parameters has counted
+            warnings.filterwarnings("ignore", ".* counts from above")  # the user chose parameters by name, and has counted layers already
             said = fly(file, scratch, [*words(scratch), *option_words(options, FitOptions)], False, scratch, rows)
         if said[0]["photons"] < BATCHES:
             raise errors.refuse("photons", said[0]["photons"], f"at least {BATCHES}: errors come of so many batches")
@@ -252,7 +256,7 @@ def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, 
         with open(path, "w", encoding="utf-8") as file:
             file.write(",".join(columns) + "\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows))
         return ["--sweep", path, "--reweight", "--ignore-absorption"]
-    told = _told(scene, table, len(rows), options, lambda row: _bins(row, [word for name in data.profiles() for word in (name, name + "_se")]))
+    told = _fly_rows(scene, table, len(rows), options, lambda row: _bins(row, [word for name in data.profiles() for word in (name, name + "_se")]))
     numbers = [_numbers(data, row, result) for row, result in told]
     shape = tuple(len(grid) for grid in grids.values())
 
@@ -273,12 +277,12 @@ def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: Data, opt
     kinds = list(dict.fromkeys(name[-3:] for name in names))
     slopes = [_slope(name, kind) for name in dict.fromkeys(data.names) if name not in TOTALS for kind in kinds]
     fixed = {**options, "set": {**(options.get("set") or {}), **dict(zip(names, map(float, np.exp(u))))}}
-    ((row, result),) = _told(scene, lambda _: ["--derivatives"], 0, fixed,
+    ((row, result),) = _fly_rows(scene, lambda _: ["--derivatives"], 0, fixed,
                              lambda row: _bins(row, [word for name in data.profiles() + slopes for word in (name, name + "_se")]))
     model, sigma = _numbers(data, row, result)
 
     def column(parameter: str, suffix: str) -> Any:
-        """Derivatives by one parameter, or their errors; nan where they are not known."""
+        """Returns derivatives by one parameter, or their errors; NaN if unknown."""
         place, _, kind = parameter.partition(".")
         k = int(re.sub("[a-z]*", "", place)) - 1 + (len(row["A_l"]) if place.startswith("body") else 0)
 
@@ -294,7 +298,7 @@ def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: Data, opt
 
 
 def _lagrange(grid: Any, x: float) -> tuple[int, Any]:
-    """Of cubic interpolation on even places: the first of four, and their weights."""
+    """Returns the first of four places of an even grid around x, and their weights for cubic interpolation."""
     t = (x - grid[0]) / (grid[1] - grid[0])
     first = int(np.clip(np.floor(t) - 1, 0, len(grid) - 4))
     s = t - first
@@ -302,10 +306,12 @@ def _lagrange(grid: Any, x: float) -> tuple[int, Any]:
 
 
 class _Model:
-    """Logarithms of the numbers at any mua and mus, from the flights so far. The last of them is right where it was flown; all others
-    tell slopes and, where these exceed the noise, curvatures along each mus, by least squares. So one close by, whose difference is but
-    noise, counts little; as does one far away, where more than curvature matters. An anchor moves all that to what it says of values,
-    and by how little noise they have of slopes."""
+    """The model: logarithms of all numbers at any mua and mus, interpolated from the flights.
+
+    The last flight gives the values. Differences of the other flights give slopes along each mus and, if larger than the noise,
+    curvatures, by least squares. A flight close by counts little, because its difference is mostly noise. A flight far away
+    counts little, because more than curvature matters there. An anchor shifts the model to the anchor's values, and turns it
+    towards the anchor's slopes as far as their noise is small."""
 
     def __init__(self, grids: Mapping[str, Any], flights: list[_Flight], anchor: Optional[_Anchor] = None) -> None:
         self.grids, self.others, self.last, self.anchor = list(grids.values()), flights[:-1], flights[-1], anchor
@@ -336,24 +342,25 @@ class _Model:
         return self.flown(u) if self.anchor is None else self.flown(u) + self.shift + self.turn @ (u - self.anchor.u)
 
     def shares(self, u: Any) -> Any:
-        """What each flight, the last behind the others, counts at a place."""
+        """Returns the weight of each flight in the values at u. The last flight stands last."""
         step = u[len(self.grids):] - self.last.mus
         others = np.concatenate([step, step**2]) @ self.inverse
         return np.append(others, 1 - others.sum())
 
     def noise_at(self, u: Any) -> tuple[Any, Any]:
-        """The covariance of the flight whose values count, near a place, and the logarithms that it has there."""
+        """Returns the logarithms of the numbers near u, and their covariance, from the flight that gives the values."""
         if self.anchor is not None:
             return self.anchor.logs, self.anchor.covariance
         place = tuple(int(np.abs(grid - x).argmin()) for grid, x in zip(self.grids, u))
         return self.last.logs[place], self.last.covariance(place)
 
     def spread(self, u: Any, noise: Any) -> Any:
-        """Standard errors of slopes, [numbers, parameters], of flights of such noise as if they were independent."""
+        """Returns standard errors [numbers, parameters] of the slopes of flights with this noise, as if flights were
+        independent."""
         return np.outer(noise, np.linalg.norm(_jacobian(self.shares, u), axis=0))
 
     def slopes_noise(self, u: Any, noise: Any) -> tuple[Any, Any]:
-        """Standard errors of the slopes in use, and the correlation of those along two parameters."""
+        """Returns standard errors of the slopes in use, and the correlation between slopes along two parameters."""
         spread, turns = self.spread(u, noise), _jacobian(self.shares, u)
         if self.anchor is not None:
             spread = spread * np.sqrt(1 - _share(spread, self.anchor.errors))
@@ -362,7 +369,7 @@ class _Model:
 
 
 def _share(spread: Any, errors: Any) -> Any:
-    """Of what has `errors` in the best mean with what has `spread`."""
+    """Returns the weight of numbers with standard error `errors` in their best mean with numbers of standard error `spread`."""
     return spread**2 / (spread**2 + errors**2 + TINY)
 
 
@@ -372,7 +379,8 @@ def _jacobian(residual: Callable[[Any], Any], u: Any) -> Any:
 
 
 def _minimum(residual: Callable[[Any], Any], u: Any, low: Any, high: Any) -> Any:
-    """Least squares within bounds, by steps of Levenberg and Marquardt; what a bound stops stays there for a step."""
+    """Minimises the sum of squares within bounds by steps of Levenberg and Marquardt. A parameter stopped at a bound stays
+    there for a step."""
     damping, r = 1e-3, residual(u)
     for _ in range(200):
         J = _jacobian(residual, u)
@@ -396,15 +404,18 @@ def _minimum(residual: Callable[[Any], Any], u: Any, low: Any, high: Any) -> Any
 
 
 def _start(residual: Callable[[Any], Any], low: Any, high: Any) -> Any:
-    """The best of an even net of places."""
+    """Returns the best point of an even net between the bounds."""
     n = {1: 41, 2: 17}.get(len(low), 7)
     net = np.stack(np.meshgrid(*[np.linspace(a, b, n) for a, b in zip(low, high)], indexing="ij"), -1).reshape(-1, len(low))
     return min(net, key=lambda u: float(np.sum(residual(u) ** 2)))
 
 
 def _errors(J: Any, noise: Any) -> tuple[Any, Any, Any]:
-    """Of logarithms: the covariance, which parameters the data leave open, and of which slopes' noise passes for what the data tell. noise:
-    what the slopes' noise adds to J^T J, flights counted as independent. It is taken away, at most 99 % in any direction."""
+    """Returns the covariance of the logarithms, which parameters the data leave open, and which parameters are known mostly by
+    noise of the slopes.
+
+    noise: the part of J^T J that comes from the slopes' noise, with flights counted as independent. The noise is subtracted, up
+    to 99 % in any direction."""
     _, s, v = np.linalg.svd(J)
     s = np.concatenate([s, np.zeros(len(v) - len(s))])
     lost = s <= 1e-6 * max(float(s[0]), TINY)
@@ -415,7 +426,7 @@ def _errors(J: Any, noise: Any) -> tuple[Any, Any, Any]:
 
 
 def _root(correlation: Any) -> Any:
-    """R of R R^T."""
+    """Returns a matrix R with R R^T = correlation."""
     values, axes = np.linalg.eigh(correlation)
     return axes * np.sqrt(np.maximum(values, 0))
 
@@ -426,15 +437,16 @@ def _correlation(covariance: Any) -> Any:
 
 
 def _unlikely(chi2: float, degrees: int) -> bool:
-    """Beyond 4 standard deviations, as E. B. Wilson and M. M. Hilferty (1931) make a normal number of a chi square."""
+    """True if chi2 lies more than 4 standard deviations above its mean. Normal approximation: E. B. Wilson and M. M. Hilferty
+    (1931)."""
     width = 2 / (9 * max(degrees, 1))
     return bool((chi2 / max(degrees, 1)) ** (1 / 3) > 1 - width + 4 * width**0.5)
 
 
 @dataclasses.dataclass(frozen=True)
 class _Solution:
-    """u: logarithms of the parameters, with their covariance; lost, noisy: as of _errors. model: the numbers there, and their noise.
-    correlation_errors: what their noise makes of the correlation."""
+    """The result of a least-squares fit. u: logarithms of the parameters; covariance: of u. lost, noisy: as _errors returns them. model: the numbers
+    at the solution; noise: their standard errors. correlation_errors: errors of the correlation that come from this noise."""
 
     u: Any
     residual: Any
@@ -448,7 +460,8 @@ class _Solution:
 
 
 def _solve(data: Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> _Solution:
-    """The least squares of what was measured, first by its own errors, then with the model's noise. u: where to begin; None: not known."""
+    """Solves the least squares, first with the measured errors alone, then with the model's noise added. u: starting point, or
+    None."""
     factor = np.diag(data.errors)
 
     def residual(u: Any) -> Any:
@@ -470,7 +483,8 @@ def _solve(data: Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> 
     turns = factor @ jacobian
 
     def redrawn(dice: Any) -> Any:
-        """The correlation with slopes, and a covariance from as many batches, of other flights of such noise."""
+        """Returns the correlation that other flights of equal noise would give, with slopes and a covariance redrawn from as
+        many batches."""
         batches = _root(noise) @ dice.standard_normal((len(noise), BATCHES - 1))
         drawn = _root(noise / np.outer(sigma, sigma)) @ dice.standard_normal(turns.shape) @ _root(alike).T
         other = np.linalg.cholesky(np.diag(data.errors**2) + batches @ batches.T / (BATCHES - 1))
@@ -481,7 +495,7 @@ def _solve(data: Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> 
 
 
 def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data: Data, settled: bool) -> str:
-    """What the user should know before he believes the numbers."""
+    """Returns warnings for the user: parameters that the data leave open, poor fits, values at a bound. Empty if all is well."""
     told, noisy, chi2 = [], found.noisy, float(found.residual @ found.residual)
     together = [name for name, lost in zip(names, found.lost) if lost]
     if together:
@@ -542,7 +556,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     flown = [fly_at(first - half + 2 * half * e) for e in [*np.eye(len(mus)), np.zeros(len(mus))]]
     own = bool(mus) and most > len(flown)
     found = _solve(data, _Model(grids, flown), low, high, None)
-    flown.sort(key=lambda flight: -float(np.abs(flight.mus - found.u[len(mua):]).max(initial=0)))  # the closest one counts as the last
+    flown.sort(key=lambda flight: -float(np.abs(flight.mus - found.u[len(mua):]).max(initial=0)))  # the flight closest to the solution comes last, because it gives the values
     while (open_ := moved(found, flown[-1].mus, REACH if own else SETTLED)) and len(flown) < most - own:
         flown.append(fly_at(found.u[len(mua):]))
         found = _solve(data, _Model(grids, flown), low, high, found.u)

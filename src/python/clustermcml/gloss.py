@@ -1,7 +1,15 @@
-"""Light that leaves, by the half vector between the directions to the light and of the exit: the cells of RGL's `.bsdf` files.
+"""Light that leaves, sorted by the half vector between the direction to the light and the direction of exit: the cells of RGL's
+`.bsdf` files.
 
-A cell is the value at a node: u = sqrt(2 theta_m / pi) and v = (phi_m + pi) / (2 pi) at k / (M - 1), m the half vector in the frame in
-which the light comes from azimuth 0. A lobe about the mirrored direction lies at small u for every angle of incidence.
+A cell holds the value at a node k / (M - 1) of u = sqrt(2 theta_m / pi) and v = (phi_m + pi) / (2 pi). theta_m and phi_m are
+the angles of the half vector m, in the frame in which the light comes from azimuth 0. A lobe about the mirrored direction lies
+at small u for every angle of incidence.
+
+             light     m (half vector)
+                  \    |    exit
+                   \   |   /
+                    \  |  /
+    surface  ________\_|_/________
 
 SPDX-License-Identifier: MIT
 """
@@ -12,13 +20,14 @@ from typing import Any
 
 import numpy as np
 
-ENOUGH = 50  # packets of a cell; cells with fewer are joined with their neighbours
+ENOUGH = 50  # least number of packets in a cell; cells with fewer are joined with neighbours
 CELLS = 64  # along each axis
-PARTS = 8  # of a cell along each axis, for its solid angle
+PARTS = 8  # parts of a cell along each axis in the integral of its solid angle
 
 
 def exits(u: Any, v: Any, theta_i: float) -> tuple[Any, Any, Any]:
-    """Exit cosine, azimuth of flight against that of the light's flight [rad], and the cosine between light and half vector."""
+    """Returns three things about exits at u, v: the cosine of the exit, the azimuth of the flight against the light's [rad],
+    and the cosine between light and half vector."""
     theta, phi = np.pi / 2 * u**2, 2 * np.pi * v - np.pi
     m = np.stack(np.broadcast_arrays(np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)))
     light = np.array([np.sin(theta_i), 0.0, np.cos(theta_i)])
@@ -28,7 +37,7 @@ def exits(u: Any, v: Any, theta_i: float) -> tuple[Any, Any, Any]:
 
 
 def finer(cells: Any) -> Any:
-    """Values at twice as many nodes, less one, by linear interpolation."""
+    """Returns values at 2 n - 1 nodes along each axis from values at n nodes, by linear interpolation."""
     for axis in (0, 1):
         cells = np.moveaxis(cells, axis, 0)
         between = np.empty((2 * len(cells) - 1, *cells.shape[1:]))
@@ -60,14 +69,14 @@ def beside(wanted: Any) -> Any:
 
 
 def nodes(size: int) -> tuple[Any, Any]:
-    """u and v of all cells [v, u]."""
+    """Returns u and v at all nodes, each [v, u]."""
     axis = np.arange(size) / (size - 1)
     v, u = np.meshgrid(axis, axis, indexing="ij")
     return u, v
 
 
 def _measure(size: int, theta_i: float) -> Any:
-    """Projected solid angle of the exits of each cell above the horizon [v, u]."""
+    """Returns the projected solid angle [sr] of the exits above the horizon in each cell [v, u]."""
     steps = (size - 1) * PARTS
     middles = (np.arange(steps) + 0.5) / steps
     v, u = np.meshgrid(middles, middles, indexing="ij")
@@ -82,20 +91,22 @@ def _measure(size: int, theta_i: float) -> Any:
 
 
 def _mirrored(cells: Any) -> Any:
-    """Sums with the cells at -phi_m, where an isotropic material has the same light."""
+    """Returns cells [v, u] plus those at -phi_m, where an isotropic material has equal light."""
     return cells + cells[::-1]
 
 
 def _blocks(cells: Any, side: int) -> Any:
-    """Every cell has the sum over its block of side x side cells."""
+    """Returns cells in which each has the sum over its block of side x side cells."""
     starts, block = np.arange(0, len(cells), side), np.arange(len(cells)) // side
     return np.add.reduceat(np.add.reduceat(cells, starts, axis=0), starts, axis=1)[block][:, block]
 
 
 def cells_of(weights: Any, flights: Any, theta_i: float, size: int) -> Any:
-    """f [1/sr] in the cells [v, u] of packets with these weights (per launched packet) and directions of flight [n, 3], z outward, the light
-    flying towards +x. Cells of fewer than ENOUGH packets share the mean of all such cells in the smallest block of 2 x 2, 4 x 4, ... in which
-    these have as many: no light is lost or counted twice."""
+    """Sorts packets by half vector. Returns f [1/sr] in cells [v, u].
+
+    weights: per launched packet. flights: directions [n, 3], z outward; the light flies towards +x. Cells with fewer than
+    ENOUGH packets share the mean of all such cells in the smallest block (2 x 2, 4 x 4 ...) in which these cells together have
+    ENOUGH. No light is lost or counted twice."""
     half = flights + np.array([-np.sin(theta_i), 0.0, np.cos(theta_i)])
     half /= np.linalg.norm(half, axis=1)[:, None]
     theta = np.arctan2(np.hypot(half[:, 0], half[:, 1]), half[:, 2])

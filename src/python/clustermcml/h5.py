@@ -1,7 +1,7 @@
-"""Reads `.h5` files.
+"""Reads `.h5` files, which may come from strangers.
 
-They may come from strangers. What is read is first asked for its type, its shape and its size, nothing is followed out of the file,
-and nothing of variable length is read, for the HDF5 library trusts the lengths that stand in the file.
+The reader first checks type, shape and size of everything that it reads. It follows no link out of the file. It reads nothing
+of variable length, because the HDF5 library trusts the lengths that stand in the file.
 
 SPDX-License-Identifier: MIT
 """
@@ -19,8 +19,8 @@ from . import errors
 from .fields import Field, Fields
 
 
-WHOLE = ("photons", "seed", "run", "covers", "found", "limit")  # attributes that are whole numbers; the file has floating-point ones
-MOST_DEFLATED = 1032  # deflate makes at most so many bytes of one
+WHOLE = ("photons", "seed", "run", "covers", "found", "limit")  # attributes that are whole numbers, which the file stores as floating-point numbers
+MOST_DEFLATED = 1032  # most bytes that deflate can make of one byte
 
 
 def _need(holds: bool, what: str, expected: str) -> None:
@@ -29,26 +29,26 @@ def _need(holds: bool, what: str, expected: str) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """A value as Python has it: numpy's scalars as numbers, its bytes as text."""
+    """Returns a value as plain Python: scalars of numpy as numbers, bytes as text."""
     value = value.item() if hasattr(value, "item") else value
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
 
 
 def _is_plain(kind: h5py.h5t.TypeID) -> bool:
-    """Whether values of the type are numbers, or texts of fixed length."""
+    """True if values of this HDF5 type are numbers or texts of fixed length."""
     text = isinstance(kind, h5py.h5t.TypeStringID) and not kind.is_variable_str()
     return text or isinstance(kind, (h5py.h5t.TypeFloatID, h5py.h5t.TypeIntegerID))
 
 
 def _sorted(iterate: Callable[..., None]) -> list[str]:
-    """Names. Sorted here, for HDF5 1.10 ends by a signal where it has to sort names that are damaged."""
+    """Returns the names that HDF5 iterates, sorted. Python sorts them, because HDF5 1.10 crashes when it sorts damaged names."""
     found: list[bytes] = []
     iterate(found.append, order=h5py.h5.ITER_NATIVE)
     return sorted(name.decode() for name in found)
 
 
 class _File:
-    """A file that is read once. left: how many bytes it can still hold that were not promised yet."""
+    """An HDF5 file that is read once. left: bytes of the file that no array or attribute has claimed yet."""
 
     def __init__(self, file: h5py.File, size: int) -> None:
         self.file, self.left = file, size
@@ -58,7 +58,7 @@ class _File:
         self.left -= size
 
     def names(self, group: h5py.Group) -> list[str]:
-        """What the group holds itself: links could lead into other files, or a pipe."""
+        """Returns the names of a group's own members. Refuses links, which could lead into other files or a pipe."""
         names = _sorted(group.id.links.iterate)
         for name in names:
             _need(group.id.links.get_info(name.encode()).type == h5py.h5l.TYPE_HARD, f"{name} is a link", "none")
@@ -75,7 +75,7 @@ class _File:
         return {name: self.attribute(item, name) for name in ("units", "long_name", "ancillary_variables") if name in item.attrs}
 
     def values(self, item: h5py.Dataset, name: str) -> Any:
-        """The array. Its bytes stand in this file, or deflate can make them of those that do."""
+        """Reads an array. Refuses it unless its bytes stand in this file, or deflate can make them from bytes in this file."""
         plan = item.id.get_create_plist()
         filters = [plan.get_filter(i)[0] for i in range(plan.get_nfilters())]
         known = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}
@@ -93,7 +93,7 @@ class _File:
         return item[()]
 
     def scaled(self, scale: h5py.Dataset) -> list[tuple[int, int]]:
-        """The arrays, by their addresses, and which of their dimensions the scale is the axis of."""
+        """Returns the arrays whose axis is this scale: the address of each array, and which of its dimensions."""
         if "REFERENCE_LIST" not in scale.attrs:
             return []
         held = h5py.h5a.open(scale.id, b"REFERENCE_LIST")
@@ -128,15 +128,15 @@ def _read(path: str, needed: str, what: str) -> Fields:
     try:
         with h5py.File(path, "r", locking=False) as file:
             return _File(file, os.path.getsize(path)).fields(needed)
-    except Exception as error:  # the libraries have many of their own for bytes that are not what they should be
+    except Exception as error:  # the libraries have many exceptions for damaged bytes
         raise errors.unreadable(path, f"an .h5 file of {what}", error) from error
 
 
 def read_h5(path: str) -> Fields:
-    """What stands in an `.h5` file: all its arrays, and as attributes those of the file and how the program was called."""
+    """Reads the result in an `.h5` file: all its arrays. Attributes are those of the file, and the call of the program."""
     return _read(path, "Rd", "a result")
 
 
 def read_saved(path: str) -> Fields:
-    """The same of a file of saved photons."""
+    """Reads a file of saved photons: all its arrays and attributes."""
     return _read(path, "weight", "saved photons")

@@ -1,4 +1,4 @@
-"""What `brdf` returns: reflection and transmission by directions, and the files that renderers read.
+"""The result of `brdf`, a material: reflection and transmission by direction, and the files that renderers read.
 
 SPDX-License-Identifier: MIT
 """
@@ -29,7 +29,7 @@ GREY_NM = (360.0, 830.0)  # a grey material, for renderers of spectra
 HORIZON = np.pi / 2 - 1e-4  # where f is still known: at the very horizon rounding takes all light
 STEP = 2.5  # degrees between angles of incidence of a .bsdf, at most: renderers interpolate at the same half vector, and the horizon moves from one to the next
 MUCH = 1e-3  # share of the light in a mirror image that is worth a message
-PLOTTED = 5  # angles of incidence
+PLOTTED = 5  # number of angles of incidence in a picture
 
 
 def path_of(name: str, value: Any, ending: str) -> str:
@@ -64,7 +64,7 @@ class Material:
         return list(self.data["channel"].values.tolist()) if "channel" in self.data.dims else []
 
     def _each(self, name: str) -> Any:
-        """An array with the axis of channels first, also of a grey material."""
+        """Returns an array with the axis of channels first, also for a grey material."""
         values = self.data[name].values
         return values if self.channels() else values[None]
 
@@ -88,7 +88,8 @@ class Material:
     # ---- files ----
 
     def _half(self, channel: int, angle: float) -> Any:
-        """f of a lobe at the nodes of a .bsdf, between the angles flown by linear interpolation in the cells of the half vector."""
+        """Returns f of a lobe at the nodes of a .bsdf. Between the flown angles, cells of equal half vector are interpolated
+        linearly."""
         flown, cells = self.data["theta_i"].values, self._each("f_half")[channel]
         i = int(np.clip(np.searchsorted(flown, angle, side="right") - 1, 0, max(len(flown) - 2, 0)))
         j = min(i + 1, len(flown) - 1)
@@ -96,7 +97,7 @@ class Material:
         return finer((1 - share) * cells[i] + share * cells[j])
 
     def _table(self, angles: Any) -> Any:
-        """f cos theta_o [angle of incidence, channel, v, u] at the nodes of a .bsdf. angles: degrees."""
+        """Returns f cos theta_o [angle of incidence, channel, v, u] at the nodes of a .bsdf. angles: of incidence [degrees]."""
         u, v = nodes(SIZE)
         each = [exits(u, v, np.radians(angle)) for angle in angles]
         above = np.array([(cosine > 0) & (along > 0) for cosine, _, along in each])
@@ -155,7 +156,7 @@ class Material:
                 f"put a smooth dielectric coat of n {self.data.attrs['n_layer']:g} over it, or give the face a rough line")
 
     def _lines(self) -> Any:
-        """Rows of the text table."""
+        """Yields the rows of the text table."""
         data, labels = self.data, self.channels() or [None]
         names = ("f_r", "f_r_se", "f_t", "f_t_se")
         columns = [self._each(name) for name in names]
@@ -219,7 +220,8 @@ class Material:
     # ---- pictures ----
 
     def _plane(self, name: str, channel: int, i: int) -> tuple[Any, Any]:
-        """Values in the plane of incidence, by the signed angle [degrees]: negative on the side that the light comes from."""
+        """Returns the signed angles [degrees] and the values in the plane of incidence. Negative angles lie on the side that
+        the light comes from."""
         values, theta = self._each(name)[channel, i], self.data["theta"].values
         back = self.data.sizes["phi"] // 2
         return np.concatenate([-theta[::-1], theta]), np.concatenate([values[::-1, back], values[:, 0]])
@@ -253,7 +255,7 @@ class Material:
 
 
 def _steps(angles: Any) -> Any:
-    """The angles, and others between them, at most STEP apart.
+    """Returns the angles with others between them, at most STEP apart.
 
     >>> _steps([0, 5, 7]).tolist()
     [0.0, 2.5, 5.0, 7.0]
@@ -284,7 +286,7 @@ def read_material(path: Path) -> Material:
 
 
 def _scale(axes: Any, values: Any) -> None:
-    """Logarithmic where a lobe stands far above the rest."""
+    """Makes the axis logarithmic if a lobe stands far above the other values."""
     middle = float(np.median(values[values > 0])) if (values > 0).any() else 0.0
     if middle > 0 and values.max() > 30 * middle:
         axes.set(yscale="log", ylim=(middle / 30, 1.5 * values.max()))

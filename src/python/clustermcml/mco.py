@@ -1,5 +1,7 @@
-"""Reads `.mco` files, this program's and those of original MCML. A file of this program has MCML's arrays with their errors, and the
-weight balance; all else that its run has found is read from the `.h5` file beside it.
+"""Reads `.mco` files of this program and of original MCML.
+
+A file of this program holds MCML's arrays with their errors, and the weight balance. All other results of its run are read from
+the `.h5` file beside it.
 
 SPDX-License-Identifier: MIT
 """
@@ -19,9 +21,9 @@ from . import errors
 from .fields import Field, Fields
 
 TOTALS = ("Rsp", "Rd", "A", "Tt")
-WHOLE = ("A_l", "A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a", "A_rz", "Rd_ra", "Tt_ra")  # what every file has behind its totals
+WHOLE = ("A_l", "A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a", "A_rz", "Rd_ra", "Tt_ra")  # arrays that every file has after its totals
 NUMERAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-END = "   Last line: # end"  # says, behind the time, that the file ends so; those of original MCML and of older versions do not
+END = "   Last line: # end"  # mark, after the time, that the file ends with this line; files of original MCML and of older versions have none
 BESIDE = "\n# more of this run stands in the .h5 file beside this one"
 BOOKS = {
     "launched": "launched", "gained": "gained in roulette", "specular": "specular (Rsp)", "reflected": "reflected (Rd)",
@@ -30,7 +32,7 @@ BOOKS = {
     "above": "absorbed above z = 0",
 }
 
-# name: axes, unit, what it is; as the .h5 files say it
+# name: axes, unit, meaning; the .h5 files use the same words
 QUANTITIES = {
     "Rsp": ((), "1", "specular reflectance"),
     "Rd": ((), "1", "diffuse reflectance"),
@@ -65,8 +67,10 @@ AXES = {
 
 
 def _lines(text: str) -> Iterator[tuple[int, str, list[str]]]:
-    """Number, section and words of each line with words: none of one with a key; of two sections of a name the first counts. A comment
-    begins where a word would. The name of the output, with which InParm begins, is one word, all others are ASCII."""
+    """Yields number, section and words of each line that has words. Lines with a section's name are left out.
+
+    If two sections have the same name, the first counts. A comment begins at a # that begins a word. The first line of InParm,
+    the name of the output, is one word. All other words are ASCII."""
     plain = re.sub(r"[^\x00-\x1b -\x7f]", "?", re.sub(r"#(?<!\S#).*", "", text))
     key, seen, named = "", {""}, False
     for number, (line, own) in enumerate(zip(plain.split("\n"), text.split("\n")), 1):
@@ -83,7 +87,7 @@ def _lines(text: str) -> Iterator[tuple[int, str, list[str]]]:
 
 
 class _Kind(NamedTuple):
-    """What a number of InParm may be."""
+    """The range of a number in InParm."""
 
     expected: str
     least: float
@@ -101,7 +105,7 @@ LAYER = {"n": POSITIVE, "mua": NOT_NEGATIVE, "mus": NOT_NEGATIVE, "g": _Kind("a 
 
 
 class _File:
-    """The words of a file by section. What it cannot be is refused by file and line, as the program does."""
+    """The words of a file by section. Refuses impossible numbers by file and line, as the program does."""
 
     def __init__(self, path: str, text: str) -> None:
         self.path, self.text = path, text
@@ -114,7 +118,7 @@ class _File:
         self.parameters = iter(parameters)
 
     def fields(self, **kinds: _Kind) -> list[float]:
-        """The numbers of the next line of InParm. Text behind them is a comment, but a number is a mistake."""
+        """Reads the numbers of the next line of InParm. Text after them is a comment, but one more number is a mistake."""
         number, words = next(self.parameters, (0, []))
         where = f"{self.path}:{number}" if number else self.path
         for i, (name, kind) in enumerate(kinds.items()):
@@ -126,7 +130,7 @@ class _File:
         return [float(word) for word in words[:len(kinds)]]
 
     def wrong(self, key: str, index: int, expected: str) -> errors.InputError:
-        """The error of a section's number, or of what stands where that should."""
+        """Returns the exception for a bad number of a section, or for whatever stands in its place."""
         left, inside = index, False
         for number, of, words in _lines(self.text):
             if of == key and left < len(words) or inside and of != key:
@@ -136,7 +140,7 @@ class _File:
         return errors.refuse(f"{self.path}: {key}[{index}]", "nothing", expected)
 
     def numbers(self, key: str, count: int, none: bool = False, more: bool = False) -> Any:
-        """The numbers of a section, which has as many, or more. none: whether they may be nan."""
+        """Reads the numbers of a section, which must be `count`, or at least `count` with more=True. none: NaN is allowed."""
         words = self.sections.get(key, [])
         values = np.array([float(word) if NUMERAL.fullmatch(word) else np.nan if none and word.lower() == "nan" else np.inf for word in words[:count]])
         bad = np.flatnonzero(np.isinf(values))
@@ -152,8 +156,11 @@ def _middles(bins: int, width: float) -> Any:
 
 
 def _grid(file: _File) -> tuple[dict[str, Any], list[list[float]], float, float]:
-    """Axes, layers and the indices beyond them from the lines of InParm, which original MCML writes: dz dr, nz nr na, number of layers,
-    n above, five numbers for each layer, n below. Of bins and layers there are no more than the file can hold: each has a digit and a blank."""
+    """Reads the lines of InParm that original MCML writes: dz dr, nz nr na, number of layers, n above, five numbers per layer,
+    n below.
+
+    Returns axes, layers, and n above and below. Numbers of bins and layers are limited by the size of the file: each needs a
+    digit and a blank."""
     most = len(file.text) // 2
     count = _Kind(f"a whole number from 1 to {most}, which the file can hold", 1, most, re.compile("[+-]?[0-9]+"))
     dz, dr = file.fields(dz=POSITIVE, dr=POSITIVE)
@@ -167,7 +174,8 @@ def _grid(file: _File) -> tuple[dict[str, Any], list[list[float]], float, float]
 
 
 def _provenance(text: str) -> dict[str, Any]:
-    """What the first lines of comment behind the arrays say; empty for a file of original MCML. Merged results have several seeds."""
+    """Reads the comment lines after the arrays: version, engine, seed. Empty for a file of original MCML. Merged results have
+    several seeds."""
     version = re.search(r"^# clustermcml (.*)", text, re.MULTILINE)
     if not version:
         return {}
@@ -185,14 +193,14 @@ def _provenance(text: str) -> dict[str, Any]:
 
 
 def _variable(name: str, axes: dict[str, Any], values: Any) -> Field:
-    """A quantity or, as NAME_se, its standard error."""
+    """Returns the Field of a quantity, or of its standard error NAME_se."""
     dims, unit, meaning = QUANTITIES[name.removesuffix("_se")]
     long_name = "standard error" if name.endswith("_se") else meaning
     return Field(np.reshape(values, [axes[dim].size for dim in dims]), dims, {"units": unit, "long_name": long_name})
 
 
 def _numbers(file: _File, axes: dict[str, Any]) -> dict[str, Field]:
-    """All quantities that the file has, and their errors. Behind `lost` stand indices of packets."""
+    """Reads all quantities of the file and their errors. Section `lost` also lists indices of packets, which are skipped."""
     def of(name: str, key: str) -> Any:
         return file.numbers(key, math.prod(axes[dim].size for dim in QUANTITIES[name][0]), key != name)
     sections = file.sections
@@ -222,7 +230,8 @@ def _note_older(path: str, file: _File) -> None:
 
 
 def _with_fields(path: str, text: str, own: Fields) -> Fields:
-    """The result with what only the .h5 file beside it has, if that is of the same run; else the attribute `lacks` names that file."""
+    """Returns the result together with arrays that only the .h5 file beside it has, if both are of the same run. Otherwise the
+    attribute `lacks` names the missing file."""
     if BESIDE not in text:
         return own
     from .h5 import read_h5
@@ -236,7 +245,7 @@ def _with_fields(path: str, text: str, own: Fields) -> Fields:
 
 
 def read_mco(path: str) -> Fields:
-    """What stands in an `.mco` file, with the names, axes and units of an `.h5` file."""
+    """Reads an `.mco` file. Names, axes and units are those of an `.h5` file."""
     try:
         with open(path, encoding="utf-8-sig", errors="replace", newline="") as stream:
             text = stream.read().replace("\r\n", "\n")  # a lone CR ends no line
@@ -253,7 +262,7 @@ def read_mco(path: str) -> Fields:
         own = _dataset(text, file)
     except errors.InputError:
         raise
-    except Exception as error:  # whatever Python and its libraries say of words that are not what they should be
+    except Exception as error:  # Python and its libraries have many exceptions for damaged words
         raise errors.unreadable(path, "a whole .mco file", error) from error
     _note_older(path, file)
     return _with_fields(path, text, own)
@@ -263,7 +272,7 @@ def _dataset(text: str, file: _File) -> Fields:
     _, (title,) = next(file.parameters, (0, [""]))
     (photons,) = file.fields(photons=PHOTONS)
     axes, media, above, below = _grid(file)
-    data = _numbers(file, axes)  # a Dataset last: each variable that is added to one copies it
+    data = _numbers(file, axes)  # the Dataset is made last, because adding a variable to one copies it
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):
         column = [layer[index] for layer in media]
         data["layer_" + name] = Field(column, ("layer",), {"units": unit, "long_name": meaning})

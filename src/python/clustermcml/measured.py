@@ -1,4 +1,4 @@
-"""What was measured of a scene, as a fit takes it: names, values and standard errors.
+"""Measured data as a fit takes it: names, values and standard errors.
 
 SPDX-License-Identifier: MIT
 """
@@ -15,23 +15,23 @@ from .commands import check
 from .options import Path
 from .scene import Scene
 
-TOTALS = ("Rd", "Tt", "R")  # R = Rsp + Rd, what an integrating sphere may see
+TOTALS = ("Rd", "Tt", "R")  # R = Rsp + Rd, which an integrating sphere may see
 PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a")
-DETECTOR = "detector_"  # what each has seen
-SLACK = 4  # standard errors that a number may be below no light, or above all of it
-LEAST, MOST = 1e-30, 1e30  # of errors and profiles: squares of doubles hold no more
+DETECTOR = "detector_"  # names begin so for light that a detector has seen
+SLACK = 4  # standard errors by which a number may lie below 0 or above all light
+LEAST, MOST = 1e-30, 1e30  # limits of errors and profiles, whose squares must fit into doubles
 
 
 @dataclasses.dataclass(frozen=True)
 class Data:
-    """Measured numbers one behind the other, and which of a name's numbers each is; -1 of a total."""
+    """All measured numbers in a row. names: name of each number; places: its bin in a profile, or -1 for a total."""
 
     names: list[str]
     places: list[int]
     values: Any
     errors: Any
-    sizes: dict[str, int]  # how many numbers each name was given
-    sides: dict[str, str]  # of detectors and profiles, where the light leaves: R or T
+    sizes: dict[str, int]  # number of values given for each name
+    sides: dict[str, str]  # side on which the light of a detector or a profile leaves: R (top) or T (bottom)
 
     def pick(self, of: Callable[[str], Any]) -> Any:
         whole = {name: np.atleast_1d(of(name)) for name in dict.fromkeys(self.names)}
@@ -44,7 +44,7 @@ class Data:
         return [name for name in dict.fromkeys(self.names) if name in PROFILES]
 
     def parted(self, numbers: Any) -> dict[str, Any]:
-        """The same by name: floats, and arrays of the bins that were measured."""
+        """Splits numbers by name: floats for totals, arrays of the measured bins for profiles."""
         found: dict[str, Any] = {}
         for name in dict.fromkeys(self.names):
             own = numbers[[i for i, other in enumerate(self.names) if other == name]]
@@ -53,7 +53,7 @@ class Data:
 
 
 def _sides(scene: Union[Scene, Path], measured: Mapping[str, Any]) -> dict[str, str]:
-    """Where the light leaves that a detector, or a profile, has."""
+    """Returns the side on which the light of each profile and measured detector leaves: R (top) or T (bottom)."""
     seen = {DETECTOR + one["name"]: one["side"] for one in check(scene)[0].get("detectors") or ()} if any(map(is_detector, measured)) else {}
     for name in filter(is_detector, measured):
         if name not in seen:
@@ -71,7 +71,8 @@ def check_name(where: str, name: Any) -> None:
 
 
 def check_number(where: str, name: str, value: float, error: float) -> None:
-    """Refuses what no light gives beyond SLACK errors, as percent and wrong signs do: a total is a share of what was launched."""
+    """Refuses a number that no light gives, by more than SLACK errors. Percents and wrong signs are found so, because a total
+    is a share of the launched light."""
     errors.number(f"{where}: error", error, LEAST, MOST, f"a standard error > 0, from {LEAST:g} to {MOST:g}")
     most, light = (MOST, ">= 0") if name in PROFILES else (1 + SLACK * error, "from 0 to 1")
     errors.number(f"{where}: value", value, -SLACK * error, most, f"a number {light}, or at most {SLACK} standard errors beyond")
@@ -97,7 +98,7 @@ def read_measured(measured: Any, scene: Union[Scene, Path]) -> Data:
             raise errors.refuse(f"measured[{name!r}]", pair, "a value and its standard error > 0, of profiles a value for each bin")
         sizes[name] = value.size
         if name.endswith("_r"):
-            known[-1] = False  # the last bin of a result holds what lies beyond
+            known[-1] = False  # the last bin of a result also holds the light beyond the grid
             if not known.any():
                 raise errors.refuse(f"measured[{name!r}]", pair, "values of other bins than the last, which holds what lies beyond")
         for i in np.flatnonzero(known):

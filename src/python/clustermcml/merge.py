@@ -1,6 +1,6 @@
-"""Results of one scene that were flown with different seeds, as one.
+"""Merges results of one scene that were flown with different seeds.
 
-The parts of one run (`clustermcml run --part`) are joined by `clustermcml merge`, to the last bit.
+The parts of one run (`clustermcml run --part`) are joined by `clustermcml merge` instead, exactly to the last bit.
 
 SPDX-License-Identifier: MIT
 """
@@ -23,16 +23,16 @@ if TYPE_CHECKING:
     import xarray as xr
     Result = Union[xr.Dataset, str, os.PathLike[str]]
 
-OF_A_RUN = {"title", "photons", "seed", "run", "merged", "identity", "version", "source", "engine", "sampling", "roulette_below", "roulette_weight", "lost_indices", *MEASURED}  # attributes that may differ
-OF_THE_SCENE = re.compile(r"layer_\w+|body_(n|mua|mus|g|of_facet)|\w+_area")  # arrays that are alike in all results
-DIGITS = 1e-5  # of numbers of the scene in an .mco
+OF_A_RUN = {"title", "photons", "seed", "run", "merged", "identity", "version", "source", "engine", "sampling", "roulette_below", "roulette_weight", "lost_indices", *MEASURED}  # attributes in which results may differ
+OF_THE_SCENE = re.compile(r"layer_\w+|body_(n|mua|mus|g|of_facet)|\w+_area")  # arrays that belong to the scene and are equal in all results
+DIGITS = 1e-5  # relative precision of the scene's numbers in an .mco
 SUMS = ("lost", "residue")
 STREAM = re.compile(r"seed (\d+), run (\d+)")
 
 
 def _words(name: str, value: Any) -> list[str]:
-    """An attribute as lines, without what no light depends on: folders of files, and what saved photons are called. The text of the input begins
-    with the names of the output and the number of photons."""
+    """Returns an attribute as lines for comparison. Folders of files, names of saved photons and the number of photons are left
+    out, because they change no light. The input's first two lines are left out, too: names of outputs, and number of photons."""
     if not isinstance(value, str):
         return [f"{value:g}" if isinstance(value, float) else str(value)]
     lines = value.strip("\n").split("\n")[2 if name == "input" else 0:]
@@ -44,17 +44,17 @@ def _differ(name: str, what: str, value: object, first: str, expected: object) -
 
 
 def _check_alike(names: Sequence[str], data: Sequence[xr.Dataset]) -> None:
-    """The scene, the grid and the options of all are those of the first."""
+    """Refuses results whose scene, grid or options differ from those of the first."""
     first = data[0]
     for name, other in zip(names[1:], data[1:]):
         for key in (str(key) for key in first.attrs if key in other.attrs and key not in OF_A_RUN and not str(key).startswith("call_")):
             one, two = _words(key, first.attrs[key]), _words(key, other.attrs[key])
-            if key == "boundaries" and len(one) != len(two):  # of an .mco without the lines of bodies
+            if key == "boundaries" and len(one) != len(two):  # an .mco file lacks the lines of bodies
                 one, two = ([line for line in lines if not line.startswith("body")] for lines in (one, two))
             if one != two:
                 at = next((i for i, pair in enumerate(zip(one, two)) if pair[0] != pair[1]), min(len(one), len(two)))
                 raise _differ(name, key, (two + ["nothing"])[at], names[0], (one + ["nothing"])[at])
-        if ("A_z_se" in first) != ("A_z_se" in other):  # an .mco has zeros for what --ignore-absorption leaves out
+        if ("A_z_se" in first) != ("A_z_se" in other):  # an .mco has zeros where --ignore-absorption was given; an .h5 leaves the arrays out
             raise _differ(name, "absorption by place", "on" if "A_z_se" in other else "off", names[0], "on" if "A_z_se" in first else "off")
         for key in (str(key) for key in first.variables if key in other.variables):
             mine, others = first[key], other[key]
@@ -67,7 +67,7 @@ def _check_alike(names: Sequence[str], data: Sequence[xr.Dataset]) -> None:
 
 
 def _streams(name: str, data: xr.Dataset) -> list[tuple[int, int]]:
-    """The random numbers of a result: of each run in it its seed, and its number in the file."""
+    """Returns the random numbers of a result as (seed, run) of each run in it."""
     said = data.attrs.get("merged", f"seed {data.attrs.get('seed')}, run {data.attrs.get('run')}")
     found = [(int(seed), int(run)) for seed, run in STREAM.findall(str(said))]
     if not found or "Rsp_se" not in data or "photons" not in data.attrs:
@@ -76,7 +76,7 @@ def _streams(name: str, data: xr.Dataset) -> list[tuple[int, int]]:
 
 
 def _check_seeds(names: Sequence[str], data: Sequence[xr.Dataset]) -> list[tuple[int, int]]:
-    """Packets with the same numbers are the same packets."""
+    """Refuses two results with the same random numbers, because they hold the same packets."""
     owner: dict[tuple[int, int], str] = {}
     for name, result in zip(names, data):
         for stream in _streams(name, result):
@@ -87,7 +87,8 @@ def _check_seeds(names: Sequence[str], data: Sequence[xr.Dataset]) -> list[tuple
 
 
 def _error(errors_: Any, values: Any, mean: Any, photons: Any) -> Any:
-    """Of a mean over packets. One packet has no error: it counts as the others scatter, and if all results are of one, their spread is the error."""
+    """Returns the standard error of a mean over all packets. A result of one packet has no error, and is taken to scatter like
+    the others. If all results have one packet, their spread gives the error."""
     known = photons > 1
     if not known.any():
         return np.sqrt(((values - mean) ** 2).sum(0) / (len(values) - 1) / len(values))
@@ -96,7 +97,8 @@ def _error(errors_: Any, values: Any, mean: Any, photons: Any) -> Any:
 
 
 def _mean_of_detected(light: Any, values: Any, errors_: Any) -> tuple[Any, Any]:
-    """Weighted by the light that each result has detected; who has detected none does not count."""
+    """Returns the mean of a detector's means and its error, weighted by the light that each result has detected. Results
+    without light do not count."""
     seen = light > 0
     if not seen.any():
         return np.full(values.shape[1:], np.nan), np.full(values.shape[1:], np.nan)
@@ -105,7 +107,7 @@ def _mean_of_detected(light: Any, values: Any, errors_: Any) -> tuple[Any, Any]:
 
 
 def _joined(data: Sequence[xr.Dataset], names: Sequence[str]) -> dict[str, Any]:
-    """The arrays, in double precision."""
+    """Returns the merged arrays, in double precision."""
     photons = np.array([float(result.attrs["photons"]) for result in data])
     stack = {name: np.stack([np.asarray(result[name].values, float) for result in data]) for name in names}
     joined: dict[str, Any] = {}

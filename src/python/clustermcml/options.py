@@ -106,7 +106,7 @@ class SweepOptions(RunOptions, total=False):
 
 
 def shown(function: Function) -> Function:
-    """The function, whose **options: Unpack[KIND] stand one by one in its signature."""
+    """Returns the function with a signature in which the options of **options: Unpack[KIND] stand one by one."""
     signature = inspect.signature(function)
     *fixed, options = signature.parameters.values()
     kind = globals()[options.annotation.removeprefix("Unpack[").removesuffix("]")]

@@ -1,4 +1,4 @@
-"""How a medium scatters, where that is not Henyey and Greenstein's function.
+"""Phase functions: the scattering of a medium that does not follow Henyey and Greenstein.
 
 SPDX-License-Identifier: MIT
 """

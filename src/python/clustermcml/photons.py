@@ -1,4 +1,4 @@
-"""Packets that have left, one by one: `photons` lines, and the files that they leave.
+"""Packets that have left, one by one: the `photons` lines of a scene, and the files that these write.
 
 SPDX-License-Identifier: MIT
 """
@@ -67,7 +67,7 @@ def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
     data = read_saved(name)
     try:
         return _table(data)
-    except (KeyError, TypeError, ValueError) as error:  # numbers that are none, where a whole one should be
+    except (KeyError, TypeError, ValueError) as error:  # a value is no number where a whole number should be
         raise errors.unreadable(name, "an .h5 file of saved photons", error) from error
 
 

@@ -1,4 +1,4 @@
-"""What all pictures share: style, colours, files. The same input gives the same bytes.
+"""Parts that all pictures share: style, colours and files. Equal input gives equal bytes.
 
 SPDX-License-Identifier: MIT
 """
@@ -17,7 +17,7 @@ from .command_line import shown_path, write
 if TYPE_CHECKING:
     from .compare import Comparison
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9", "#F0E442")  # Okabe and Ito: told apart by all eyes
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9", "#F0E442")  # palette of Okabe and Ito, which colour-blind people can tell apart
 STYLE = {"font.size": 10, "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica"], "axes.titlesize": 11, "axes.titleweight": "bold", "axes.grid": True, "axes.axisbelow": True, "grid.color": "#E4E4E4", "grid.linewidth": 0.6,
          "axes.edgecolor": "#404040", "axes.linewidth": 0.8, "lines.linewidth": 1.3, "lines.markersize": 3.5, "legend.frameon": False, "image.cmap": "viridis", "savefig.dpi": 192, "svg.fonttype": "none",
          "svg.hashsalt": "clustermcml"}
@@ -25,7 +25,8 @@ STYLE = {"font.size": 10, "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica
 
 @contextlib.contextmanager
 def drawing(style: Optional[str] = None, size: tuple[float, float] = (8.0, 5.0)) -> Iterator[Any]:
-    """matplotlib, in our style and over it that of a file, which may set another size (inches). Of a module that is missing the program tells (hand_over.c)."""
+    """Yields matplotlib with the style of the package. style: a matplotlib style file that is applied on top, and may set
+    another size. size: in inches. If matplotlib is missing, the program says so (src/cli/hand_over.c)."""
     import matplotlib
     with matplotlib.rc_context():
         matplotlib.rcParams.update({**STYLE, "axes.prop_cycle": matplotlib.cycler(color=COLOURS), "figure.figsize": size})
@@ -41,7 +42,7 @@ def drawing(style: Optional[str] = None, size: tuple[float, float] = (8.0, 5.0))
 
 
 def save(figure: Any, path: str) -> None:
-    """Without a date, by whatever kind its name asks for."""
+    """Saves a figure in the format that its name asks for. No date is written, so that equal input gives equal bytes."""
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
     kind, content = os.path.splitext(path)[1][1:].lower(), io.BytesIO()
     figure.savefig(content, format=kind, metadata={"Date": None} if kind == "svg" else None)
@@ -56,8 +57,8 @@ def add_caption(figure: Any, caption: str) -> None:
 
 
 def draw_comparison(comparison: Comparison, alpha: float, path: str) -> None:
-    """z of every test over its profile's axis, one panel below the other, with the limit that the level sets. Bars along the axis are bins
-    taken together; what lies beyond the frame is an arrow."""
+    """Draws z of every test over the axis of its profile, one panel below the other, with the limit of the level. A bar along
+    the axis shows bins that were joined. An arrow stands for a value beyond the frame."""
     from .compare import UNITS, limit_of
     shown = {name: array for name, array in comparison.arrays.items()
              if len(array.dims) == 1 and array.dims[0] in UNITS and comparison.found[name] and not name.startswith("detector_") and not array.alone}

@@ -1,5 +1,4 @@
-"""Pictures of results, by the axes of an array and not by its name: curves with bands of one standard error, maps, cuts through voxels,
-directions as discs, facets as shaded meshes; the tables of sweeps; the curves of others.
+"""Pictures of results: the axes of an array choose between curves, maps, cuts, discs and meshes. Tables of sweeps and of other programs work, too.
 
 SPDX-License-Identifier: MIT
 """
@@ -26,24 +25,24 @@ from .results import read_as
 from .scales import ends_of, is_counted, label_of, marked, set_powers, set_scale
 
 MARKS = "oshDv^P*"
-MOST = 64  # files
-FAR = 100.0  # range from which colours are logarithmic
+MOST = 64  # most files in a picture
+FAR = 100.0  # ratio of the largest to the smallest value from which colours are logarithmic
 UNLIT = "#D0D0D0"
 
 
 class Curve(NamedTuple):
     x: Any
     y: Any
-    error: Any  # None: not known
-    others: bool  # read from a table of someone else
+    error: Any  # standard error of y, None if unknown
+    others: bool  # the curve was read from a table of another program
     drawn_as: str  # label of the upright axis
-    axis: str  # label of the lower one
+    axis: str  # label of the lower axis
 
 
 # ---- results ----
 
 def _spread_over_mua(result: Fields, name: str) -> Field:
-    """Absorption over mua of the layer in which a bin lies; NaN in bins that several media share, or where nothing absorbs."""
+    """Returns absorption divided by mua of the layer in which a bin lies. NaN in bins that several media share, and where nothing absorbs."""
     array = result[name]
     z, layers = array.axes["z"].values, result["layer_mua"].values
     edges = np.concatenate(([0.0], np.cumsum(result["layer_d"].values)))
@@ -59,13 +58,13 @@ def _spread_over_mua(result: Fields, name: str) -> Field:
 
 
 class Result:
-    """A file of results, and what a word of --of means in it."""
+    """A file of results, and the arrays that a word of --of means in it."""
 
     def __init__(self, path: str) -> None:
         self.path, self.data = path, read_as(readable(path))
 
     def of(self, name: str) -> tuple[Field, Optional[Field]]:
-        """The array and its errors."""
+        """Returns the array and its standard errors, None if unknown."""
         if name in ("fluence", "fluence_rz"):
             of, unit = ("A_z", "1") if name == "fluence" else ("A_rz", "1/cm2")
             if "lacks" in self.data.attrs:
@@ -85,12 +84,12 @@ class Result:
         return self.data[name], self.data.get(name + "_se")
 
     def _longer(self, name: str) -> str:
-        """Arrays of the same quantity."""
+        """Returns the names of longer arrays of the same quantity, for messages."""
         found = [other for other in self.data.names() if other.startswith(name + "_") and self.data[other].dims and not other.endswith("_se")]
         return ": " + " ".join(found) if found else ""
 
     def cut(self, name: str, cuts: dict[str, float]) -> tuple[Field, Optional[Field]]:
-        """What is left of an array at the places of its axes, nearest bins; voxels are cut at y = 0 without one."""
+        """Returns an array and its errors, cut at places along its axes: the nearest bins count. Voxels without a cut are cut at y = 0."""
         array, known = self.of(name)
         places = {("z_volume" if axis == "z" and "z_volume" in array.dims else axis): place for axis, place in cuts.items()}
         if "z_volume" in array.dims and not places:
@@ -108,7 +107,7 @@ class Result:
         return array, known
 
     def places(self, name: str, cuts: dict[str, float]) -> str:
-        """Where an array is cut: the middles of the bins."""
+        """Returns the places where an array is cut, as text: the middles of the bins."""
         array, words = self.of(name)[0], []
         for axis, place in cuts.items():
             values = array.axes["z_volume" if axis == "z" and "z_volume" in array.dims else axis]
@@ -117,13 +116,13 @@ class Result:
         return ", ".join(words)
 
     def heights(self) -> list[tuple[Any, Any]]:
-        """Radial heightfields: r and h, cm."""
+        """Returns the radial heightfields of the result as pairs r and h [cm]."""
         found = [self.data[name] for name in self.data.names() if re.fullmatch(r"boundary\d+_height", name)]
         return [(array.axes[array.dims[0]].values, array.values) for array in found]
 
 
 def _curve(array: Field, known: Optional[Field], times_r: bool) -> Curve:
-    """Of one axis. The last bin over r and z holds what lies beyond, and is left out."""
+    """Returns the curve of an array with one axis. The last bin over r and z is left out, because it also holds all light beyond."""
     axis = array.axes[array.dims[0]]
     end = array.size - (axis.name in ("r", "z") and array.size > 1)
     factor = axis.values if times_r else 1.0
@@ -151,7 +150,7 @@ def _is_number(word: str) -> bool:
 
 
 def _labels_of_mcml(name: str, times_r: bool) -> tuple[str, str]:
-    """Of the axis of one of MCML's curves and of the curve, as a result has them; "" for all other names."""
+    """Returns the labels of the axis and of the curve, as a result has them, for the names of MCML's curves. Other names give ""."""
     dims, unit, meaning = QUANTITIES.get(name, ((), "", ""))
     if len(dims) != 1:
         return "", ""
@@ -161,7 +160,7 @@ def _labels_of_mcml(name: str, times_r: bool) -> tuple[str, str]:
 
 
 def _label_of_column(word: str) -> str:
-    """Of the name of a column, as r_mid_cm.
+    """Returns the label for the name of a column, such as r_mid_cm.
 
     >>> _label_of_column("r_mid_cm"), _label_of_column("S_per_cm2"), _label_of_column("cdf")
     ('radius r  [cm]', 'S  [1/cm²]', 'cdf  [-]')
@@ -171,7 +170,8 @@ def _label_of_column(word: str) -> str:
 
 
 def _others(path: str, name: str, times_r: bool) -> Curve:
-    """A curve in a table: place, value, standard error; or columns with names, as r_mid_cm and Rd_r_per_cm2."""
+    """Reads a curve from a table: place, value, standard error. A table with names of columns (r_mid_cm, Rd_r_per_cm2) gives the columns of
+    `name`."""
     rows, columns, names = _table(path), [0, 1, 2], ("", "")
     if rows and not _is_number(rows[0][1][0]):
         head = rows[0][1]
@@ -231,7 +231,7 @@ class Sweep:
         return len({row[name] for row in self.rows}) > 1
 
     def over(self, wanted: Optional[str]) -> list[str]:
-        """The columns along the axes: without a wish, a label that is a number, else what was swept first."""
+        """Returns the columns along the axes: the wanted ones, else a label that is a number, else the first swept column that is a number."""
         if wanted:
             return [self.column("over", name) for name in wanted.split(",")]
         able = [name for name in self.swept if self.varies(name) and all(_is_number(row[name]) for row in self.rows)]
@@ -241,7 +241,8 @@ class Sweep:
         return (labels or able)[:1]
 
     def curves(self, over: str, by: Optional[str]) -> Iterator[tuple[str, list[dict[str, str]]]]:
-        """Rows of each curve, and what tells it from others: where rows need it, the column that makes the fewest."""
+        """Yields the rows of each curve, and the value that tells it from others. If rows need a second column, the one that makes the fewest
+        curves is taken."""
         def split(name: Optional[str]) -> dict[str, list[dict[str, str]]]:
             found: dict[str, list[dict[str, str]]] = {}
             for row in self.rows:
@@ -295,7 +296,7 @@ def _draw_curves(figure: Any, given: argparse.Namespace, sources: list[Any]) -> 
 
 
 def _draw_curve(axes: Any, curve: Curve, label: str, colour: str, mark: str, log: bool) -> None:
-    """On a log scale zeros are gaps, and errors as large as their values leave the frame through its edge without moving that."""
+    """Draws a curve. On a log scale, zeros are gaps, and error bars as large as their values leave the frame below."""
     error, y = curve.error, np.where(curve.y > 0, curve.y, np.nan) if log else curve.y
     bars = error if error is None or not log else np.array([np.fmin(error, y * (1 - 1e-9)), error])
     if "[-]" in curve.axis and is_counted(curve.axis):
@@ -310,7 +311,7 @@ def _draw_curve(axes: Any, curve: Curve, label: str, colour: str, mark: str, log
 
 
 def _draw_heights(axes: Any, heights: list[tuple[int, Any, Any]]) -> None:
-    """Dotted, in the lowest quarter of the panel."""
+    """Draws heightfields dotted, in the lowest quarter of the panel."""
     twin = axes.twinx()
     for k, r, h in heights:
         twin.plot(np.append(r, max(r[-1], axes.get_xlim()[1])), np.append(h, h[-1]), ":", color=COLOURS[k % len(COLOURS)])
@@ -340,7 +341,7 @@ def _set_ranges(panels: Any, given: argparse.Namespace) -> None:
 
 
 def _norm(matplotlib: Any, arrays: Sequence[Any], given: argparse.Namespace) -> Any:
-    """One scale for all maps: linear up to a range of FAR, logarithmic beyond; the faintest hundredth of what is lit has the darkest colour."""
+    """Returns one scale for all maps: linear up to a range of FAR, logarithmic beyond. The faintest hundredth of lit cells is darkest."""
     flat: list[Any] = [np.ravel(array) for array in arrays]
     lit = np.concatenate([array[np.isfinite(array) & (array > 0)] for array in flat])
     log = given.scale == "log" or given.scale is None and lit.size > 0 and lit.max() > FAR * lit.min()
@@ -360,27 +361,27 @@ def _edges(axis: Field) -> tuple[float, float]:
 
 
 def _shown(array: Field) -> Field:
-    """Without the last bins over r and z, which hold what lies beyond."""
+    """Returns the array without its last bins over r and z, which hold all light beyond the grid."""
     for dim in array.dims:
         array = array.part(dim, slice(0, -1)) if dim in ("r", "z") and array.axes[dim].size > 1 else array
     return array
 
 
 def _grey(arrays: list[Field], log: bool) -> str:
-    """What pixels without a colour are."""
+    """Returns the meaning of grey pixels, for the caption."""
     values = [_shown(array).values for array in arrays]
     words = ["no light"] * (log and any((one <= 0).any() for one in values)) + ["not known"] * any(np.isnan(one).any() for one in values)
     return "; grey: " + " or ".join(words) if words else ""
 
 
 def _draw_map(figure: Any, axes: Any, array: Field, norm: Any, cmap: Any) -> Any:
-    """Over two axes; rows that are depths go down. Directions are a disc: the angle from the middle, the azimuth around it."""
+    """Draws an array over two axes; depths go down. Directions are a disc: distance from the middle is the angle, azimuth runs around."""
     if array.dims == ("theta", "phi"):
-        round_ = -(-180 // array.axes["phi"].size)  # straight pieces in place of each arc
+        round_ = -(-180 // array.axes["phi"].size)  # number of straight pieces in place of each arc
         theta, phi = np.linspace(0, np.pi / 2, array.axes["theta"].size + 1), np.linspace(0, 2 * np.pi, round_ * array.axes["phi"].size + 1)
         axes.set(yticks=[30, 60], ylim=(0, 90), axisbelow=False)  # circles and their angles lie over the colours
         axes.set_yticklabels(["30°", "60°"], color="#404040", bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1})
-        axes.grid(False)  # as matplotlib before 3.7 asks for
+        axes.grid(False)  # matplotlib before 3.7 asks for this
         drawn = axes.pcolormesh(phi, np.degrees(theta), np.repeat(array.values, round_, axis=1), norm=norm, cmap=cmap, rasterized=True)
         axes.grid(True, color="white", alpha=0.4)
         return drawn
@@ -442,7 +443,7 @@ def _draw_sweeps(matplotlib: Any, figure: Any, given: argparse.Namespace, sweeps
 
 
 def _draw_swept_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sweeps: list[Sweep], of: str, over: list[str]) -> None:
-    """Values lie one beside the other, rising, as if evenly spread."""
+    """Draws values of sweeps over two columns. Cells stand side by side in rising order, as if their values were evenly spread."""
     grids = []
     for sweep in sweeps:
         x, y, values = sweep.numbers("over", over[0]), sweep.numbers("over", over[1]), sweep.numbers("of", of)
@@ -467,7 +468,7 @@ def _draw_swept_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sw
 
 
 def _draw_facets(matplotlib: Any, figure: Any, given: argparse.Namespace, sources: list[Any]) -> None:
-    """Meshes from the side, shaded, each facet in the colour of its number. Their shapes stand in the .vtp file beside the .h5."""
+    """Draws meshes from the side, shaded. Each facet has the colour of its number. The shapes stand in the .vtp file beside the .h5."""
     from .facets import draw_mesh, read_mesh
     shape, _, name = given.of.partition("_")
     meshes = [read_mesh(re.sub(r"\.h5$", "", source.path, flags=re.IGNORECASE) + (".bodies.vtp" if shape == "body" else f".{shape}.vtp"), name) for source in sources]
@@ -483,7 +484,7 @@ def _draw_facets(matplotlib: Any, figure: Any, given: argparse.Namespace, source
 # ---- the command ----
 
 def _range(word: str) -> tuple[Optional[float], Optional[float]]:
-    """A:B with A below B; one of them may be left out.
+    """Reads A:B with A below B. One of both may be left out.
 
     >>> _range("0.1:"), _range("1:2")
     ((0.1, None), (1.0, 2.0))
@@ -529,7 +530,7 @@ def _parser() -> Parser:
 
 
 def _sources(given: argparse.Namespace) -> tuple[str, list[Any]]:
-    """What the files are: sweeps; else results and curves of others."""
+    """Opens the files. Returns their kind, "sweep" or another, and a source of curves or arrays for each."""
     endings = [path.lower() for path in given.files]
     tables = [path.endswith(".sweep.csv") for path in endings]
     for path in given.files:
@@ -559,7 +560,7 @@ def _sources(given: argparse.Namespace) -> tuple[str, list[Any]]:
 
 
 def _labels(given: argparse.Namespace) -> list[str]:
-    """Names of files; folders tell files of one name apart."""
+    """Returns a label for each file: its own name, with the folder if two files have the same name."""
     names = [os.path.basename(path) for path in given.files]
     own = [shown_path(name if names.count(name) == 1 else path) for name, path in zip(names, given.files)]
     shown = given.label + own[len(given.label):]

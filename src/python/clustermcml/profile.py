@@ -1,4 +1,4 @@
-"""Subsurface profiles: how far from a pencil of light the light comes out again, for renderers.
+"""Subsurface profiles for renderers: the distances from a pencil of light at which the light comes out again.
 
 SPDX-License-Identifier: MIT
 """
@@ -31,7 +31,7 @@ KINDS = ("exponentials", "gaussians", "burley", "openpbr")
 ERROR = 0.01
 CHANNEL_COLOURS = {"r": COLOURS[1], "g": COLOURS[2], "b": COLOURS[0], "flown": "#808080"}
 WALK = 300_000  # packets of a random walk
-FINER = 10  # bins of a random walk to one of the profile
+FINER = 10  # bins of a random walk for each bin of the profile
 FORMULAS = {"exponentials": "S = Rd sum w exp(-r / d) / (2 pi d r); cdf = 1 - sum w exp(-r / d)",
             "gaussians": "S = Rd sum w exp(-r^2 / (2 sigma^2)) / (2 pi sigma^2); cdf = 1 - sum w exp(-r^2 / (2 sigma^2))",
             "burley": "S = Rd (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r); cdf = 1 - exp(-r / d) / 4 - 3/4 exp(-r / (3 d))",
@@ -74,7 +74,7 @@ class Profile:
         return list(self.data["channel"].values.tolist()) if "channel" in self.data.dims else []
 
     def _each(self, name: str) -> Any:
-        """An array with the axis of channels first, also of a single profile."""
+        """Returns an array with the axis of channels first, also for a single profile."""
         values = self.data[name].values
         return values if self.channels() else values[None]
 
@@ -88,7 +88,8 @@ class Profile:
     # ---- fits ----
 
     def _walk(self, channel: int) -> dict[str, Any]:
-        """A random walk of the same Rd and mean radius, as renderers have it, and how far it is off."""
+        """Flies a random walk, as renderers do, with the Rd and the mean radius of the profile. Returns its parameters and its
+        error L1."""
         profile, Rd = self._shares(channel), float(self._each("Rd")[channel])
         albedo, light = single_albedo(Rd), str(self.data.attrs["light"])
         scene = Scene([Layer(n=1, mua=1 - albedo, mus=albedo, g=0, d=1e8)])
@@ -101,7 +102,7 @@ class Profile:
         return {"subsurface_color": Rd, "subsurface_radius_cm": radius, "albedo": albedo, "Rd_walk": flown.Rd, "L1": profile.error_of(shares), "shares": shares}
 
     def _fitted(self, kind: str, terms: Optional[int] = None) -> list[Any]:
-        """A fit for each channel. Those with the usual number of terms are kept."""
+        """Returns a fit for each channel. Fits with the usual number of terms are made once and kept."""
         errors.choice("kind", kind, *KINDS)
         if terms is not None and kind not in ("exponentials", "gaussians"):
             raise errors.refuse("terms", terms, f"None for {kind}")
@@ -231,14 +232,14 @@ def _path_of(path: Any, ending: str) -> str:
 
 
 def _without_nan(value: Any) -> Any:
-    """Lists without the lengths and errors of terms whose weight is 0, which JSON cannot hold."""
+    """Returns nested lists with None in place of NaN, which JSON cannot hold: lengths and errors of terms whose weight is 0."""
     if isinstance(value, list):
         return [_without_nan(one) for one in value]
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def _parameters(kind: str, found: Sequence[Any]) -> dict[str, tuple[list[Any], Sequence[str]]]:
-    """Names of a fit's numbers: those of every channel, and their axis."""
+    """Returns the numbers of a fit by name: the values of every channel, and the axis over which they stand."""
     if kind == "openpbr":
         return {name: ([one[name] for one in found], ()) for name in found[0] if name != "shares"}
     curves: Sequence[Curve] = found
@@ -252,7 +253,7 @@ def _parameters(kind: str, found: Sequence[Any]) -> dict[str, tuple[list[Any], S
 # ---- the flight ----
 
 def _period(told: Mapping[str, Any], shown: object) -> Optional[Sequence[float]]:
-    """The period of the scene's tiles, None of planes. All other scenes are refused."""
+    """Returns the period [cm] of the scene's tiles, or None for planes. Refuses all other scenes."""
     expected = "planes and tiles alone, which are the same everywhere"
     if told.get("bodies"):
         raise errors.refuse("scene", shown, f"{expected}; this one has bodies")
@@ -340,8 +341,8 @@ def profile(scene: Union[Scene, Path], light: str = "normal", photons: Optional[
 
 # ---- command ----
 
-def _said(found: Profile) -> list[str]:
-    """What the command prints of each channel."""
+def _report_lines(found: Profile) -> list[str]:
+    """Returns the lines that the command prints for each channel."""
     lines = []
     for c, label in enumerate(found.channels() or [""]):
         of = {name: found._each(name)[c] for name in ("Rd", "Rd_se", "mean_r", "noise", "photons")}
@@ -383,4 +384,4 @@ def main(words: list[str]) -> int:
     found.to_csv(names[0])
     found.to_json(names[1])
     found.plot(names[2])
-    return 0 if given.quiet else print_text("\n".join([*_said(found), *map(shown_path, names), ""]))
+    return 0 if given.quiet else print_text("\n".join([*_report_lines(found), *map(shown_path, names), ""]))

@@ -1,7 +1,8 @@
 """Curves for radial profiles: sums of exponentials, sums of Gaussians, and Burley's profile.
 
-A profile is a list of shares of the light: one for each ring between two radii, and one for what lies beyond the last.
-A sum has the cumulative distribution 1 - sum w exp(-x), with x = r / d for exponentials and x = (r / sigma)^2 / 2 for Gaussians.
+A profile is a list of shares of the light: one share for each ring between two radii, and one for the light beyond the last
+radius. A sum has the cumulative distribution 1 - sum w exp(-x), with x = r / d for exponentials and x = (r / sigma)^2 / 2 for
+Gaussians.
 
 SPDX-License-Identifier: MIT
 """
@@ -18,19 +19,20 @@ import numpy as np
 from . import errors
 
 TERMS = {"exponentials": 3, "gaussians": 6}
-ENOUGH = 0.02  # L1 beyond the noise from which a fourth exponential is tried
-STARTS = (0.03, 0.1, 0.3, 1.0, 2.0)  # lengths in units of the mean radius
-CLOSEST = 1.3  # ratio of neighbouring lengths: closer ones have large weights of opposite signs, and fit no better
+ENOUGH = 0.02  # L1 beyond the noise above which a fourth exponential is tried
+STARTS = (0.03, 0.1, 0.3, 1.0, 2.0)  # starting lengths, in units of the mean radius
+CLOSEST = 1.3  # least ratio of neighbouring lengths: closer lengths get large weights of opposite signs, and fit no better
 SMOOTHED = 9  # bins over which the light is averaged for the weights of the fit
-NEGATIVE = -1e-9  # rounding of a sum that is 0 somewhere
-LEAST = 1e-9  # share of the light that a bin counts as at least in these weights
-MARGIN = 1e-6  # how far above 0 a sum is kept that would be negative
+NEGATIVE = -1e-9  # lower limit of a sum that may touch 0, because of rounding
+LEAST = 1e-9  # least share of the light in a bin, for the weights of the fit
+MARGIN = 1e-6  # distance from 0 that is kept by a sum that would be negative
 WIDE = (1e-4, 1e2)  # bounds of lengths in units of the mean radius
 
 
 @dataclass
 class Curve:
-    """A fitted sum. lengths: d or sigma [cm]. Errors are standard errors by the noise of the flight. shares: of the light, as in Shares."""
+    """A fitted sum. lengths: d or sigma [cm]. weights_se, lengths_se: standard errors from the noise of the flight. shares: of
+    the light, as in Shares."""
 
     weights: Any
     weights_se: Any
@@ -42,29 +44,31 @@ class Curve:
 
 @dataclass
 class Shares:
-    """A profile. edges: radii between bins [cm], from 0. light, light_se: the share in each bin, and last that beyond them; the sum is 1."""
+    """A profile. edges: radii between bins [cm], from 0. light, light_se: share of the light in each bin, and last the share
+    beyond all bins. The sum is 1."""
 
     edges: Any
     light: Any
     light_se: Any
 
     def weights(self) -> Any:
-        """Weights of residuals: 1 / sqrt(light), the light averaged over neighbours, so that its noise does not bias the fit."""
+        """Returns weights of residuals: 1 / sqrt(light). The light is averaged over neighbours, so that its noise does not bias
+        the fit."""
         from scipy.ndimage import uniform_filter1d
         smooth = np.append(uniform_filter1d(self.light[:-1], SMOOTHED, mode="nearest"), self.light[-1])
         return 1 / np.sqrt(np.maximum(smooth, LEAST))
 
     def mean_radius(self) -> float:
-        """Mean of the radius [cm]; light beyond the last edge counts as on it."""
+        """Returns the mean radius [cm] of the light. Light beyond the last edge counts as on it."""
         middles = (self.edges[1:] + self.edges[:-1]) / 2
         return float(self.light[:-1] @ middles + self.light[-1] * self.edges[-1])
 
     def noise(self) -> float:
-        """L1 of the true profile, in the mean."""
+        """Returns the mean L1 between the true profile and this noisy one."""
         return float(np.sqrt(2 / np.pi) * self.light_se.sum())
 
     def error_of(self, shares: Any) -> float:
-        """L1 of a model: the integral of |model - S| 2 pi r dr / Rd."""
+        """Returns L1 of a model: the integral of |model - S| 2 pi r dr / Rd."""
         return float(np.abs(shares - self.light).sum())
 
 
@@ -76,14 +80,14 @@ def need_scipy() -> None:
 
 
 def shares_of(kind: str, edges: Any, lengths: Any) -> Any:
-    """Shares of the light of every single term, [terms, bins + 1]."""
+    """Returns the shares of the light of every single term, [terms, bins + 1]."""
     x = edges / np.asarray(lengths)[:, None]
     below = 1 - np.exp(-x * x / 2 if kind == "gaussians" else -x)
     return np.diff(below, axis=1, append=1.0)
 
 
 def _weights(terms: Any, profile: Shares, scale: Any, positive: bool) -> Any:
-    """The weights, of sum 1, with which the terms come nearest to the profile."""
+    """Returns the weights, of sum 1, that bring the sum of the terms nearest to the profile."""
     from scipy.optimize import nnls
     if positive:
         heavy = 1e3 * np.linalg.norm(scale * profile.light)
@@ -94,12 +98,12 @@ def _weights(terms: Any, profile: Shares, scale: Any, positive: bool) -> Any:
 
 
 def _lengths(steps: Any) -> Any:
-    """Lengths in units of the mean radius, from the logarithms of the first and of the ratios."""
+    """Returns lengths in units of the mean radius. steps: logarithms of the first length and of the ratios of neighbours."""
     return np.exp(np.cumsum(steps))
 
 
 def _search(kind: str, profile: Shares, start: Any, positive: bool) -> tuple[float, Any, Any]:
-    """Cost, weights and lengths of the sum that fits best, from one start."""
+    """Finds the best sum from one start. Returns its cost, weights and lengths."""
     from scipy.optimize import least_squares
     scale, unit, count = profile.weights(), profile.mean_radius(), len(start)
 
@@ -115,7 +119,8 @@ def _search(kind: str, profile: Shares, start: Any, positive: bool) -> tuple[flo
 
 
 def _positive(profile: Shares, weights: Any, lengths: Any) -> tuple[float, Any, Any]:
-    """The sum of exponentials that fits best among those that are nowhere negative, from one that is."""
+    """Finds the best sum of exponentials that is nowhere negative. weights, lengths: a start that is negative somewhere.
+    Returns cost, weights and lengths."""
     from scipy.optimize import minimize
     scale, unit, count = profile.weights(), profile.mean_radius(), len(weights)
 
@@ -139,18 +144,19 @@ def _positive(profile: Shares, weights: Any, lengths: Any) -> tuple[float, Any, 
 
 
 def lowest(weights: Any, lengths: Any) -> float:
-    """The least of S r over all radii, relative to its largest: below 0 a sum of exponentials is no density."""
+    """Returns the least value of S r over all radii, relative to its largest. A negative result means that the sum is no
+    density."""
     r = np.append(0.0, np.geomspace(lengths.min() / 100, 40 * lengths.max(), 400))
     values = (weights / lengths) @ np.exp(-r / lengths[:, None])
     return float((values / np.abs(values).max()).min())
 
 
 def _errors(profile: Shares, weights: Any, lengths: Any) -> tuple[Any, Any]:
-    """Standard errors of weights and lengths of exponentials: those of the bins, carried through the least squares. The last weight follows
-    from the others."""
+    """Returns standard errors of weights and lengths of exponentials: errors of the bins, carried through the least squares.
+    The last weight is 1 minus all others."""
     terms, x = shares_of("exponentials", profile.edges, lengths), profile.edges / lengths[:, None]
     slope = -np.diff(x * np.exp(-x), axis=1, append=0.0)
-    free = weights != 0  # a weight that a bound holds at 0 has no error, and its length no meaning
+    free = weights != 0  # a weight held at 0 by its bound has no error, and its length has no meaning
     J = np.vstack([(terms[:-1] - terms[-1])[free[:-1]], (weights[:, None] * slope)[free]]).T
     scale = profile.weights()[:, None]
     spread = np.linalg.pinv(J * scale) * scale.T * profile.light_se
@@ -165,7 +171,7 @@ def _errors(profile: Shares, weights: Any, lengths: Any) -> tuple[Any, Any]:
 
 def _curve(kind: str, profile: Shares, weights: Any, lengths: Any) -> Curve:
     shares = weights @ shares_of(kind, profile.edges, lengths)
-    if kind == "gaussians":  # linear errors were up to 4 times too small: neighbours overlap, so that the search ends in a flat valley
+    if kind == "gaussians":  # linear errors were up to 4 times too small, because neighbours overlap and the search ends in a flat valley
         weights_se, lengths_se = np.full((2, len(weights)), np.nan)
     else:
         weights_se, lengths_se = _errors(profile, weights, lengths)
@@ -173,7 +179,7 @@ def _curve(kind: str, profile: Shares, weights: Any, lengths: Any) -> Curve:
 
 
 def _exponentials(profile: Shares, count: int) -> Curve:
-    """The sum of exponentials that fits best and is nowhere negative. Where none with so many terms is found, it has fewer."""
+    """Fits the best sum of `count` exponentials that is nowhere negative. If there is none, the sum has fewer terms."""
     for number in range(count, 0, -1):
         found = [_search("exponentials", profile, np.array(start), False) for start in itertools.combinations(STARTS, number)]
         best = min(found, key=lambda one: one[0])
@@ -185,8 +191,10 @@ def _exponentials(profile: Shares, count: int) -> Curve:
 
 
 def fit_sum(kind: str, profile: Shares, terms: Optional[int] = None) -> Curve:
-    """The sum of exponentials with signed weights, or of Gaussians with positive ones, that fits best. terms: None for six Gaussians, or for three
-    exponentials and four where three are off by more than 2 % beyond the noise."""
+    """Fits the best sum of exponentials with signed weights, or of Gaussians with positive weights. terms: number of terms.
+
+    With terms=None there are six Gaussians, or three exponentials; four exponentials if three are off by more than 2 % beyond
+    the noise."""
     need_scipy()
     count = terms or TERMS[kind]
     if kind == "gaussians":
@@ -198,7 +206,7 @@ def fit_sum(kind: str, profile: Shares, terms: Optional[int] = None) -> Curve:
 
 
 def fit_burley(profile: Shares) -> Curve:
-    """Burley's profile: exponentials of the lengths d and 3 d with the weights 1/4 and 3/4."""
+    """Fits Burley's profile: exponentials of the lengths d and 3 d with the weights 1/4 and 3/4."""
     need_scipy()
     from scipy.optimize import minimize_scalar
     scale, unit, weights, ratios = profile.weights(), profile.mean_radius(), np.array([0.25, 0.75]), np.array([1.0, 3.0])
@@ -214,15 +222,18 @@ def fit_burley(profile: Shares) -> Curve:
 
 
 def single_albedo(Rd: float) -> float:
-    """Single-scattering albedo of an index-matched isotropic half space that sends back Rd of diffuse light, by van de Hulst's formula
-    Rd = (1 - s) (1 - 0.139 s) / (1 + 1.17 s), s = sqrt(1 - a)."""
+    """Returns the single-scattering albedo a of an index-matched isotropic half space that reflects the share Rd of diffuse
+    light.
+
+    The formula is van de Hulst's: Rd = (1 - s) (1 - 0.139 s) / (1 + 1.17 s), s = sqrt(1 - a)."""
     b = 1.139 + 1.17 * Rd
     s = (b - np.sqrt(b * b - 4 * 0.139 * (1 - Rd))) / (2 * 0.139)
     return float(1 - s * s)
 
 
 def scaled(profile: Shares, walk: Shares) -> tuple[float, Any]:
-    """The mean free path [cm] that gives a random walk, flown with one of 1 cm, the profile's mean radius; and its shares in the profile's bins."""
+    """Scales a random walk that was flown with a mean free path of 1 cm to the profile's mean radius. Returns the mean free
+    path [cm] that does so, and the shares of the scaled walk in the profile's bins."""
     need_scipy()
     from scipy.optimize import brentq
     below = np.append(0.0, np.cumsum(walk.light[:-1]))

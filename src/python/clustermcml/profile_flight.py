@@ -1,4 +1,4 @@
-"""Flights of a subsurface profile: a pencil of light, and how far from it the light leaves.
+"""Flights of a subsurface profile: a pencil of light comes in, and distances to the places where the light leaves are counted.
 
 SPDX-License-Identifier: MIT
 """
@@ -18,19 +18,20 @@ from .program import fly, option_words, result_of, scratch_folder
 from .relit import relit_text
 
 BINS = 400
-INSIDE = 0.999  # share of the light within the bins, as the pilot has it
+INSIDE = 0.999  # share of the pilot's light within the bins
 PILOT = 10_000
-MOST_SAVED = 1_000_000  # packets of a round over tiles, which are held in memory
-SIDE = 32  # places of light along each side of a period
-BATCHES = 64  # of the places, for errors
-OTHER_SEED = 2**40  # between the seeds of rounds
+MOST_SAVED = 1_000_000  # packets of a round over tiles, which all stay in memory
+SIDE = 32  # pencils of light along each side of a period
+BATCHES = 64  # number of groups of pencils, whose spread gives the errors
+OTHER_SEED = 2**40  # distance between the seeds of rounds
 PILOT_SEED = 2**39
 LIGHT = {"normal": "", "diffuse": " light=lambertian"}
 
 
 @dataclass
 class Flight:
-    """light, light_se: share of the launched packets in every bin, and last beyond them. Its sum is Rd."""
+    """A flight. light, light_se: share of the launched packets in every bin, and last the share beyond all bins. The sum of
+    `light` is Rd."""
 
     photons: int
     light: Any
@@ -44,11 +45,11 @@ class Flight:
         return math.fsum(self.light)
 
     def noise(self) -> float:
-        """The mean of the integral of |S - truth| 2 pi r dr / Rd, for normal errors of the bins."""
+        """Returns the mean of the integral of |S - truth| 2 pi r dr / Rd, if errors of the bins are normal."""
         return float(math.sqrt(2 / math.pi) * self.light_se.sum() / self.Rd)
 
     def joined(self, other: Flight) -> Flight:
-        """The mean of both by their photons. Seeds differ, so errors are independent."""
+        """Returns the mean of two flights, weighted by photons. Their errors are independent, because their seeds differ."""
         photons = self.photons + other.photons
         a, b = self.photons / photons, other.photons / photons
         return Flight(photons, a * self.light + b * other.light, np.hypot(a * self.light_se, b * other.light_se),
@@ -57,20 +58,22 @@ class Flight:
 
 @dataclass
 class Target:
-    """What is lit. period: of the tiles [cm], None for planes. light: normal or diffuse. shown: the scene as messages name it."""
+    """The scene and its light. period: of the tiles [cm], None for planes. light: "normal" or "diffuse". shown: name of the
+    scene in messages."""
 
     path: str
     period: Optional[Sequence[float]]
     light: str
     shown: object
-    numbers: Mapping[str, float]  # of a channel, as --set takes them
+    numbers: Mapping[str, float]  # values of a channel, as --set takes them
     threads: Optional[int]
 
     def words(self, photons: int, seed: int) -> list[str]:
         return option_words({"photons": photons, "seed": seed, "threads": self.threads, "set": self.numbers, "ignore_absorption": True})
 
     def places(self, seed: int) -> Any:
-        """Where pencils of light arrive, [n, 2] in cm. Over tiles one lies at random in each cell of a grid, in random order."""
+        """Returns the places of the pencils of light, [n, 2] in cm. Over tiles, one pencil lies at random in each cell of a
+        grid; the order is random, too."""
         if self.period is None:
             return np.zeros((1, 2))
         draw = np.random.Generator(np.random.PCG64(seed))
@@ -79,7 +82,7 @@ class Target:
 
 
 def _fly(target: Target, lines: Sequence[str], grid: tuple[float, int], photons: int, seed: int, scratch: str) -> dict[str, Any]:
-    """What the program says of the scene with other lines for its light. grid: dr and nr."""
+    """Flies the scene with other lines for its light, and returns the program's answer. grid: dr and nr."""
     text = relit_text(target.path, lines).split("\n")
     head = 3 + len(lines)
     text[2], text[head + 1], text[head + 2] = "scene.h5 B", f"1 {grid[0]!r}", f"1 {grid[1]} 1"
@@ -90,8 +93,8 @@ def _fly(target: Target, lines: Sequence[str], grid: tuple[float, int], photons:
 
 
 def fly_packets(target: Target, photons: int, seed: int) -> tuple[Any, Any, Any, dict[str, Any], Any]:
-    """Packets that leave upward from inside: distance [cm] from where the packet came in, weight, and number of that place. Then what the
-    program says, and the result."""
+    """Flies packets and returns those that leave upward from inside: distance [cm] from the pencil, weight, and number of the
+    pencil. The program's answer and the result follow."""
     from .photons import read_photons
     places = target.places(seed)
     lines = [f"beam pencil at={x!r},{y!r}{LIGHT[target.light]}" for x, y in places.tolist()] + [f'photons "leave" limit={photons}']
@@ -105,7 +108,7 @@ def fly_packets(target: Target, photons: int, seed: int) -> tuple[Any, Any, Any,
 
 
 def bin_width(target: Target, seed: int) -> float:
-    """The width of bins [cm] that hold 99.9 % of the light of a pilot."""
+    """Returns the width of bins [cm] such that BINS of them hold 99.9 % of the light of a pilot flight."""
     radius, weight, *_ = fly_packets(target, PILOT, seed + PILOT_SEED)
     order = np.argsort(radius, kind="stable")
     sums = np.cumsum(weight[order])
@@ -124,7 +127,7 @@ def _fly_planes(target: Target, width: float, bins: int, photons: int, seed: int
 
 
 def _fly_tiles(target: Target, width: float, bins: int, photons: int, seed: int) -> Flight:
-    """Errors are those of the spread between batches of places."""
+    """Flies a scene of tiles. Errors come from the spread between batches of places."""
     radius, weight, place, _, result = fly_packets(target, photons, seed)
     which = np.minimum(radius / width, bins).astype(int)
     parts = np.bincount(place % BATCHES * (bins + 1) + which, weights=weight, minlength=BATCHES * (bins + 1)).reshape(BATCHES, -1)
@@ -134,9 +137,9 @@ def _fly_tiles(target: Target, width: float, bins: int, photons: int, seed: int)
 
 
 def fly_profile(target: Target, width: float, photons: int, error: Optional[float], seed: int, bins: int = BINS) -> Flight:
-    """Flies `photons`, and where an error is asked for further rounds with seeds of their own, until the noise is at most that."""
+    """Flies `photons` packets. If an error is given, further rounds with other seeds follow until the noise is below it."""
     one = _fly_planes if target.period is None else _fly_tiles
-    step = 1 if target.period is None else SIDE * SIDE  # as many packets at each place
+    step = 1 if target.period is None else SIDE * SIDE  # every place gets equally many packets
     most = 2**48 if target.period is None else MOST_SAVED // step * step
     need, turn = photons, 0
     total: Optional[Flight] = None

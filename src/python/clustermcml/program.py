@@ -1,4 +1,4 @@
-"""Runs the program on a scene and reads what it leaves.
+"""Runs the program on a scene and reads the files that it writes.
 
 SPDX-License-Identifier: MIT
 """
@@ -36,14 +36,14 @@ if TYPE_CHECKING:
 
 PREFIX = "clustermcml: "
 OWN = "# written by clustermcml.run or sweep\n"
-FATES = {"Rsp": "specular", "Rd": "reflected", "A": "absorbed", "Tt": "transmitted"}  # keys of --json, and of the books
-STOPS = (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)  # SIGINT is Python's own
+FATES = {"Rsp": "specular", "Rd": "reflected", "A": "absorbed", "Tt": "transmitted"}  # keys of --json, and names of the book of each in the result
+STOPS = (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)  # SIGINT is left to Python
 STOPPED = 75  # exit code of a run that was stopped by a signal
 MEASURED = ("seconds", "cpu_s", "steps", "photons_per_s", "threads", "ranks")  # keys of --json that become attributes
 
 
 def find_program() -> str:
-    """The path of the program: $CLUSTERMCML, else the one in this package, else the one on the search path."""
+    """Returns the path of the program: $CLUSTERMCML, else the one in this package, else the one on the search path."""
     named = os.environ.get("CLUSTERMCML")
     if named:
         return errors.existing_file("CLUSTERMCML", named)
@@ -55,10 +55,11 @@ def find_program() -> str:
 
 
 def main() -> NoReturn:
-    """The command `clustermcml` of the package: becomes the program. CLUSTERMCML may name this very command."""
+    """Runs the command `clustermcml` of the package: replaces Python by the program. CLUSTERMCML may name this very command,
+    and is ignored then."""
     if os.path.realpath(os.environ.get("CLUSTERMCML", "")) == os.path.realpath(sys.argv[0]):
         del os.environ["CLUSTERMCML"]
-    os.environ.setdefault("CLUSTERMCML_PYTHON", sys.executable)  # to which the program hands over what this package does
+    os.environ.setdefault("CLUSTERMCML_PYTHON", sys.executable)  # the Python to which the program hands over the commands of this package
     program = find_program()
     os.execv(program, [program, *sys.argv[1:]])
 
@@ -69,8 +70,10 @@ NO_ARGUMENTS = {"json": "results are returned", "quiet": "results are returned",
 
 
 def option_words(options: Mapping[str, object], kind: Any = RunOptions) -> list[str]:
-    """Keywords as the program's options: True is an option without a value, which False leaves out, as None does with all; a list is joined by
-    commas, a dict is the option with NAME=VALUE once for each item. kind: the class that lists them; others are the program's to refuse.
+    """Returns keyword arguments as words of a command line.
+
+    True becomes an option without a value. False and None leave the option out. A list is joined by commas. A dict repeats the
+    option with NAME=VALUE for each item. kind: class that lists the options. The program itself refuses unknown ones.
 
     >>> option_words({"photons": 1e5, "target_error": None, "no_reentry": True, "device": [0, 1]})
     ['--photons', '100000.0', '--no-reentry', '--device', '0,1']
@@ -102,7 +105,8 @@ def option_words(options: Mapping[str, object], kind: Any = RunOptions) -> list[
 
 
 def renamed(text: str, folder: str) -> str:
-    """What the program says of the files of a folder that will be gone, in the caller's names.
+    """Returns a message of the program in the caller's words: names of files in a temporary folder become names of the objects
+    that the caller knows.
 
     >>> renamed("/tmp/x/scene.mci:9: boundary 0: /tmp/x/scene.surface0.obj: no faces", "/tmp/x")
     'Scene: boundary 0: its surface: no faces'
@@ -118,7 +122,7 @@ def renamed(text: str, folder: str) -> str:
 
 @contextlib.contextmanager
 def scratch_folder() -> Iterator[str]:
-    """A folder that will be gone: errors name none of its files."""
+    """Yields a temporary folder. Messages of errors do not name its files."""
     with tempfile.TemporaryDirectory(prefix="clustermcml_") as folder:
         try:
             yield folder
@@ -128,7 +132,7 @@ def scratch_folder() -> Iterator[str]:
 
 
 def _silent_end(code: int) -> str:
-    """What an exit code says alone.
+    """Returns a message for a program that ended with this code and printed nothing.
 
     >>> _silent_end(-15), _silent_end(143), _silent_end(5)
     ('clustermcml was ended by SIGTERM', 'clustermcml was ended by SIGTERM', 'clustermcml ended with 5 and said nothing')
@@ -138,7 +142,8 @@ def _silent_end(code: int) -> str:
 
 
 def _how_to_go_on(text: str, kept: bool) -> str:
-    """The message of a run that was stopped, in words of Python. kept: its checkpoint is still there.
+    """Returns the message of a run that was stopped, with Python's argument in place of --resume. kept: the checkpoint still
+    exists.
 
     >>> _how_to_go_on("a.mco: stopped with 5 of 9 packets to fly; --resume continues from x/a.mco.checkpoint", True)
     'a.mco: stopped with 5 of 9 packets to fly; resume=True continues from x/a.mco.checkpoint'
@@ -151,7 +156,7 @@ def _how_to_go_on(text: str, kept: bool) -> str:
 
 
 def raise_failure(code: int, said: Sequence[str], kept: bool = True) -> NoReturn:
-    """The program's own message, as an error of its kind. kept: the folder of its files stays."""
+    """Raises the program's own message as an exception of its kind. kept: the folder of the program's files stays."""
     own = [line.removeprefix(PREFIX) for line in said if line.startswith(PREFIX)]
     text = own[-1] if own else "\n".join(said) or _silent_end(code)
     if code == STOPPED:
@@ -160,12 +165,12 @@ def raise_failure(code: int, said: Sequence[str], kept: bool = True) -> NoReturn
 
 
 def _pieces(terminal: int) -> Iterator[str]:
-    """What is written to a terminal, in pieces between ends of lines and returns to their beginning."""
+    """Yields the text that arrives at a terminal, cut at line feeds and carriage returns."""
     decoder, rest = codecs.getincrementaldecoder("utf-8")("replace"), ""
     while True:
         try:
             chunk = os.read(terminal, 4096)
-        except OSError:  # nobody has its other end any more
+        except OSError:  # the other end of the terminal is closed
             chunk = b""
         *whole, rest = re.split(r"[\r\n]+", rest + decoder.decode(chunk, not chunk))
         yield from whole
@@ -175,7 +180,7 @@ def _pieces(terminal: int) -> Iterator[str]:
 
 
 def _listen(pieces: Iterable[str], progress: Progress, said: list[str]) -> None:
-    """Takes the program's standard error apart: its bar becomes progress, the rest is kept."""
+    """Reads the program's standard error: its bar of progress goes to `progress`, all other lines to `said`."""
     for piece in pieces:
         text = piece.replace("\033[K", "")
         share = re.match(r"(?:\[[#.]*\])? *(\d+) % +(.*)", text)
@@ -186,8 +191,10 @@ def _listen(pieces: Iterable[str], progress: Progress, said: list[str]) -> None:
 
 
 def _read_lines(process: subprocess.Popen[str], progress: Progress, rows: int) -> list[str]:
-    """The lines of standard output as they come. An interrupt, or whatever else ends this, is passed on: the program writes its
-    checkpoint, and this waits. SIGINT would not do: what a script starts with & ignores it, and so does all that this starts."""
+    """Returns the lines of the program's standard output, read as they come.
+
+    On an interrupt or any other exception, the program is told to stop and writes its checkpoint, while this waits. SIGINT
+    cannot be used: a script that was started with & ignores it, and so do all its children."""
     assert process.stdout is not None
     told: list[str] = []
     try:
@@ -205,8 +212,10 @@ def _read_lines(process: subprocess.Popen[str], progress: Progress, rows: int) -
 
 @contextlib.contextmanager
 def exits_on_signals() -> Iterator[None]:
-    """Signals that stop the program would end this process at once, before the program has: here they are an exit (143 of SIGTERM, as
-    shells report it). Other threads than the main one cannot say so, and a handler of the caller's stays."""
+    """Turns signals that would end this process at once into an exit (143 for SIGTERM, as shells report it), so that the
+    program is stopped first.
+
+    Only the main thread may set handlers. A handler of the caller stays."""
     ours = [number for number in STOPS if signal.getsignal(number) is signal.SIG_DFL] if threading.current_thread() is threading.main_thread() else []
     for number in ours:
         signal.signal(number, lambda number, frame: sys.exit(128 + number))
@@ -218,14 +227,14 @@ def exits_on_signals() -> Iterator[None]:
 
 
 def _locked(path: str, folder: str) -> IO[bytes]:
-    """The scene's file, opened and locked. The kernel ends the lock with the process, so that nothing stale is left."""
+    """Opens and locks the file of the scene. The kernel releases the lock when the process ends, so that no stale lock remains."""
     file = open(path, "a+b")
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         file.close()
         raise errors.ClustermcmlError(f"{path}: locked by another call (expected an output_dir of its own for each)", 5) from None
-    except OSError:  # a file system that knows no locks
+    except OSError:  # this file system has no locks
         pass
     file.seek(0)
     if file.read(len(OWN)) not in (b"", OWN.encode()):
@@ -235,14 +244,15 @@ def _locked(path: str, folder: str) -> IO[bytes]:
 
 
 def _unlock(file: IO[bytes]) -> None:
-    """Closing alone is not enough: a fork that was made meanwhile has the file open, too."""
+    """Unlocks the file. Closing alone is not enough, because a process forked meanwhile also has the file open."""
     with contextlib.suppress(OSError):
         fcntl.flock(file, fcntl.LOCK_UN)
 
 
 @contextlib.contextmanager
 def scene_file(scene: Union[Scene, Path], folder: str) -> Iterator[str]:
-    """The path of the scene's file; of one in the folder where it is an object. Until its result is read, no other call writes there."""
+    """Yields the path of the scene's file. A Scene object is written into `folder`, and no other call writes there until its
+    result is read."""
     if not isinstance(scene, Scene):
         yield errors.existing_file("scene", scene)
         return
@@ -256,18 +266,19 @@ def scene_file(scene: Union[Scene, Path], folder: str) -> Iterator[str]:
             raise errors.ClustermcmlError(f"{error.filename}: cannot be written ({error.strerror})", 5) from error
         try:
             yield path
-        except errors.ClustermcmlError as error:  # no line of a file that the caller has never seen
+        except errors.ClustermcmlError as error:  # the message must not name a line of a file that the caller has never seen
             error.args = (re.sub(r"the run in line \d+", "the Scene", str(error)),)
             raise
 
 
 def environment() -> dict[str, str]:
-    """That of the program: it stops by itself when this process, or the thread that calls and waits, ends in whatever way."""
+    """Returns the environment of the program. With CLUSTERMCML_PARENT, the program stops by itself when this process or the
+    calling thread ends in any way."""
     return {**os.environ, "CLUSTERMCML_PARENT": str(os.getpid())}
 
 
 def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
-    """The program, whose standard error is `there`, the other end of `here`."""
+    """Starts the program. Its standard error is `there`, the other end of the terminal `here`."""
     try:
         return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=there, text=True, encoding="utf-8",
                                 errors="replace", start_new_session=True, env=environment())
@@ -279,7 +290,7 @@ def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
 
 
 def _named(path: str) -> str:
-    """The name of a file that the program shows with bytes as \\xNN, where the name is no UTF-8 or has controls of terminals."""
+    """Returns the real name of a file that the program shows with \\xNN for bytes that are no UTF-8 or control a terminal."""
     if os.path.exists(path):
         return path
     return os.fsdecode(re.sub(rb"\\x([0-9a-f]{2})", lambda byte: bytes.fromhex(byte[1].decode()), os.fsencode(path)))
@@ -287,16 +298,17 @@ def _named(path: str) -> str:
 
 def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int = 0,
         notes: bool = True) -> list[dict[str, Any]]:
-    """What the program says of every run, as --json does. options: words of its command line. scratch: a folder that will be gone,
-    whose files are not named. rows: of a sweep, 0 of none. notes: those of the program are warnings."""
+    """Runs the program with --json and returns its answer for every run. options: words of the command line. scratch: temporary
+    folder whose files are not named. rows: of a sweep, 0 for none. notes: notes of the program become warnings."""
     told = [json.loads(line) for line in _lines(scene, folder, ["--json", *options], show, scratch, rows, notes)]
     return [{**run, "files": [_named(path) for path in run["files"]]} for run in told]
 
 
 def _lines(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int, notes: bool) -> list[str]:
-    """What the program says on standard output, a line each.
+    """Runs the program and returns the lines of its standard output.
 
-    In a session of its own, so that an interrupt reaches it from here alone. Its standard error is a terminal, so that it draws a bar.
+    The program has a session of its own, so that an interrupt reaches it from here alone. Its standard error is a terminal, so
+    that it draws a bar.
     """
     said: list[str] = []
     words = [find_program(), scene, "-o", folder, *options]
@@ -319,8 +331,8 @@ def _lines(scene: str, folder: str, options: list[str], show: Optional[bool], sc
 
 
 def result_of(told: dict[str, Any]) -> xr.Dataset:
-    """The Dataset of a run: of its .h5, which has more, else of its .mco, whatever the name of that. Whether it is that of this very run,
-    its totals say, which the program has told to all digits."""
+    """Returns the Dataset of a run, from its .h5 or else its .mco. Refuses a file that another call has replaced: totals must
+    equal those that the program has told, to all digits."""
     h5 = next((path for path in told["files"] if path.endswith(".h5") and not path.endswith(".photons.h5")), None)
     path = h5 or told["files"][0]
     if not os.path.isfile(path):
@@ -335,8 +347,8 @@ def result_of(told: dict[str, Any]) -> xr.Dataset:
 
 
 def _may_be_finished(scene: str, folder: str) -> bool:
-    """Whether there is a file by the name of the run's result, which the third line of the scene with words has: without one the run is
-    flown at once, and a large scene loaded but once."""
+    """True if the folder holds a file by the name of the run's result, which stands in the third line with words. Without such a file, the run is
+    simulated at once, so that a large scene is loaded only once."""
     with open(scene, encoding="utf-8", errors="replace") as file:
         words = [line.split()[0] for line in (line.partition("#")[0] for line in file) if line.strip()]
     stem = os.path.splitext((words[2:3] or [""])[0].strip('"'))[0]
@@ -344,8 +356,9 @@ def _may_be_finished(scene: str, folder: str) -> bool:
 
 
 def _finished(scene: str, folder: str, options: list[str], show: Optional[bool]) -> Optional[dict[str, Any]]:
-    """The files of a run that was finished before and has no checkpoint: for its digits --json would fly it anew. None of any other,
-    which has one after this, that knows all of the run."""
+    """Returns the files of a run that was finished before and has no checkpoint. Returns None for any other run.
+
+    --json would fly such a run anew to know all digits. Any other run has a checkpoint after this call, which holds all digits."""
     said = "".join(_lines(scene, folder, options, show, "", 0, True))
     names = re.findall(r"^(\S.*): \S+ photons, .*, seed \d+$", said, re.MULTILINE)
     stands = len(names) == 1 and "\n  finished before" in said and not os.path.exists(os.path.join(folder, names[0] + ".checkpoint"))

@@ -1,4 +1,4 @@
-"""How far a run is, where somebody looks: a bar in a notebook, a line in a terminal.
+"""Progress of a run on screen: a bar in a notebook, a line in a terminal.
 
 SPDX-License-Identifier: MIT
 """
@@ -10,7 +10,7 @@ from typing import Any, Optional
 
 
 def _notebook_bar() -> Any:
-    """A bar of 100 parts, shown; None outside of notebooks."""
+    """Shows and returns a bar of 100 parts, or returns None outside of notebooks."""
     shell = sys.modules.get("IPython")
     kernel = shell.get_ipython() if shell else None
     if kernel is None or not hasattr(kernel, "kernel"):
@@ -23,9 +23,9 @@ def _notebook_bar() -> Any:
 
 
 class Progress:
-    """Shows percent. As a context: a line that is half written ends with it.
+    """Shows percents. Used as a context, it ends a half-written line.
 
-    show: None decides by whether standard error is a terminal, or Python runs in a notebook.
+    show: with None, progress is shown if standard error is a terminal, or Python runs in a notebook.
     """
 
     def __init__(self, show: Optional[bool]) -> None:
@@ -43,7 +43,7 @@ class Progress:
             print(file=sys.stderr)
 
     def show(self, percent: int, text: str) -> None:
-        """percent: 0 to 100. text: what else is known."""
+        """Shows progress. percent: 0 to 100. text: words after it."""
         if self.bar is not None:
             self.bar.progress = percent
         elif self.lines:

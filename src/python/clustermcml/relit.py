@@ -1,4 +1,4 @@
-"""The file of a scene in another light: its own beams and tallies are replaced by lines of the caller.
+"""Writes the file of a scene with another light: the scene's beams and tallies are replaced by lines of the caller.
 
 SPDX-License-Identifier: MIT
 """
@@ -22,7 +22,7 @@ WORD = re.compile(r'"[^"]*"|\S+')
 
 
 def scene_path(scene: Union[Scene, Path], folder: str) -> str:
-    """The path of the scene's file. A Scene is written to `folder`."""
+    """Returns the path of the scene's file. A Scene object is written into `folder`."""
     if not isinstance(scene, Scene):
         return errors.existing_file("scene", scene)
     path = os.path.join(folder, "scene.mci")
@@ -31,7 +31,8 @@ def scene_path(scene: Union[Scene, Path], folder: str) -> str:
 
 
 def told_of(scene: Union[Scene, Path]) -> dict[str, Any]:
-    """What `check` says of a scene with one run. Its notes are left out: they are of a light that will not shine."""
+    """Returns the answer of `check` for a scene with one run. Its notes are left out, because they concern a light that is
+    replaced."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         runs = check(scene)
@@ -41,14 +42,14 @@ def told_of(scene: Union[Scene, Path]) -> dict[str, Any]:
 
 
 def _words(line: str) -> list[str]:
-    """The words of a line without its comment; a line behind `#@` is one of ours."""
+    """Returns the words of a line without its comment. A line after `#@` is a line of this program, not a comment."""
     text = line.strip()
     text = text[2:] if text.startswith("#@") else text
     return WORD.findall(re.sub(r'("[^"]*")|#.*', lambda found: found[1] or "", text))
 
 
 def _absolute(words: Sequence[str], folder: str) -> list[str]:
-    """The words, with names of files that are there as absolute paths."""
+    """Returns the words. Names of existing files become absolute paths."""
     def of(word: str) -> str:
         path = os.path.join(folder, word.strip('"'))
         if NUMERAL.fullmatch(word):
@@ -58,7 +59,8 @@ def _absolute(words: Sequence[str], folder: str) -> list[str]:
 
 
 def beam_shape(path: str) -> str:
-    """The shape of the scene's one beam and the place of its axis, as the words of a `beam` line. Empty for the default pencil."""
+    """Returns the shape of the scene's one beam and the place of its axis, as words of a `beam` line. Empty for the default
+    pencil."""
     with open(path, encoding="utf-8", errors="surrogateescape") as file:
         lines = [words for words in map(_words, file) if words[:1] == ["beam"]]
     kept = [word for word in (lines[0][1:] if lines else []) if "=" not in word or word.startswith("at=")]

@@ -1,4 +1,4 @@
-"""Results as Datasets, whatever the file.
+"""Reads results of any file as Datasets.
 
 SPDX-License-Identifier: MIT
 """
@@ -36,7 +36,7 @@ def read(path: Union[str, os.PathLike[str]]) -> xr.Dataset:
 
 
 def read_as(path: str) -> Fields:
-    """The same by the name as it was typed, which messages then have: what is no `.h5` file is read as an `.mco` file."""
+    """Reads a result by the name as it was typed, which messages then show. Any file that is no `.h5` is read as an `.mco`."""
     if not path.lower().endswith(".h5"):
         return read_mco(path)
     from .h5 import read_h5

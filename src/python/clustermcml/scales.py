@@ -22,15 +22,16 @@ def is_counted(axis: str) -> bool:
 
 
 def marked(y: Any) -> Any:
-    """Which places have marks: about twenty, and those without a neighbour, which no line shows."""
+    """Returns the places of a curve that have marks: about twenty, and all without a neighbour, which no line would show."""
     step, there = max(1, y.size // 20), np.pad(np.isfinite(y), 1)
-    if y.size > 1000:  # of more matplotlib counts within the frame
+    if y.size > 1000:  # given a step, matplotlib chooses the marks within the frame
         return step
     return np.flatnonzero(there[1:-1] & (~(there[:-2] | there[2:]) | (np.arange(y.size) % step == 0))).tolist()
 
 
 def set_scale(axes: Any, scale: str, curves: Iterable[tuple[Any, Any]]) -> None:
-    """curves: values, and errors or None. A log scale ends a little beyond the values above 0, and the upper ends of their errors."""
+    """Sets the scale of the upright axis. curves: pairs of values and errors (or None). A log scale ends a little beyond the
+    values above 0 and the upper ends of their errors."""
     axes.set_yscale(scale)
     low, high = math.inf, 0.0
     for y, error in curves:
@@ -43,7 +44,7 @@ def set_scale(axes: Any, scale: str, curves: Iterable[tuple[Any, Any]]) -> None:
 
 
 def _power(value: float, _: Any = None) -> str:
-    """As letters: matplotlib's own way to set powers takes a sixth of the time of a picture.
+    """Returns a power of ten as text. matplotlib's own typesetting of powers takes a sixth of the time of a picture.
 
     >>> _power(1e-12)
     '10⁻¹²'
@@ -52,8 +53,8 @@ def _power(value: float, _: Any = None) -> str:
 
 
 def set_powers(axis: Any) -> None:
-    """Of a logarithmic axis: below a decade even steps, as no power may lie in it; below two 1, 2 and 5 times the powers; else powers alone, as
-    each tick costs time."""
+    """Sets the ticks of a logarithmic axis. Below one decade they are even steps, because no power may lie in it. Below two
+    decades they are 1, 2 and 5 times powers of ten. Otherwise only powers have ticks, because each tick costs time."""
     if axis.get_scale() != "log":
         return
     from matplotlib.ticker import MaxNLocator, NullFormatter, NullLocator
@@ -69,7 +70,7 @@ def set_powers(axis: Any) -> None:
 
 
 def ends_of(axis: Field) -> str:
-    """The numbers of things that are counted, else the outer edges of the bins."""
+    """Returns the first and last number of a counted axis, else the outer edges of its bins, as text."""
     first, last, unit = float(axis.values.min()), float(axis.values.max()), str(axis.attrs.get("units", "1"))
     half = (last - first) / max(axis.size - 1, 1) / 2
     return f"{first:g} to {last:g}" if unit == "1" else f"{round(first - half, 12):g} to {last + half:g} {unit}"

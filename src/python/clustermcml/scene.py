@@ -21,7 +21,7 @@ from .phases import Phase, check_phase
 from .surfaces import Rough, Surface, check_rough, check_surface, shortest, vector
 
 MOST_PHOTONS = 2**48
-TAKEN = re.compile(r"photons|seed|above|below|backing|(layer|body|boundary|beam|detector)\d*")  # what else has numbers to set
+TAKEN = re.compile(r"photons|seed|above|below|backing|(layer|body|boundary|beam|detector)\d*")  # other names whose numbers can be set
 
 
 @dataclass
@@ -152,11 +152,11 @@ class Beam:
         errors.flag("Beam.radial", self.radial)
 
     def _numbers(self) -> Sequence[str]:
-        """Names of the numbers behind the kind."""
+        """Returns the names of the numbers that follow the kind."""
         return () if self.tile else SHAPES[self.kind]
 
     def _light_word(self) -> str:
-        """A word as it is, a file by its absolute path."""
+        """Returns the value of `light` as a word of the line. A file becomes its absolute path."""
         if isinstance(self.light, str) and (self.light in LIGHTS or re.fullmatch(r"na:\S+", self.light)):
             return self.light
         return errors.quoted_file("Beam.light", self.light, LIGHT_EXPECTED)

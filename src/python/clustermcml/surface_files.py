@@ -1,4 +1,4 @@
-"""Arrays as the files of surfaces that the program reads, and of those that it does not.
+"""Files of surfaces: writes arrays as files that the program reads, and reads meshes that the program does not read.
 
 SPDX-License-Identifier: MIT
 """
@@ -15,8 +15,9 @@ CM = 0.01  # m
 
 
 def write_gsf(path: str, heights: Any, dx: float, dy: float) -> None:
-    """A Gwyddion Simple Field (gwyddion.net/documentation/user-guide-en/gsf.html): heights [ny, nx] in cm, y rising with the
-    first index, as single-precision floats in m, the row of the largest y first. XReal and YReal are widths of all pixels."""
+    """Writes a Gwyddion Simple Field (gwyddion.net/documentation/user-guide-en/gsf.html). heights: [ny, nx] in cm, y rising
+    with the first index. The file has single-precision floats in m, the row of the largest y first. XReal and YReal are widths
+    of all pixels."""
     ny, nx = heights.shape
     header = (f"Gwyddion Simple Field 1.0\nXRes = {nx}\nYRes = {ny}\nXReal = {float(nx * dx * CM)!r}\nYReal = {float(ny * dy * CM)!r}\n"
               "XYUnits = m\nZUnits = m\n").encode("ascii")
@@ -26,14 +27,14 @@ def write_gsf(path: str, heights: Any, dx: float, dy: float) -> None:
 
 
 def write_obj(path: str, vertices: Any, faces: Any) -> None:
-    """A Wavefront OBJ: vertices [n, 3], faces [m, 3] counted from 0 here, from 1 in the file."""
+    """Writes a Wavefront OBJ file. vertices: [n, 3]. faces: [m, 3], counted from 0 here, from 1 in the file."""
     with open(path, "w", encoding="ascii") as file:
         file.writelines(f"v {float(x)!r} {float(y)!r} {float(z)!r}\n" for x, y, z in vertices)
         file.writelines(f"f {a} {b} {c}\n" for a, b, c in (faces.astype(np.int64) + 1).tolist())
 
 
 def read_triangles(path: str) -> tuple[Any, Any]:
-    """Vertices and faces of an STL or PLY, whose equal vertices are one; trimesh reads it."""
+    """Reads an STL or PLY file with trimesh. Returns vertices, equal ones joined, and faces."""
     try:
         import trimesh
     except ImportError:
@@ -41,5 +42,5 @@ def read_triangles(path: str) -> tuple[Any, Any]:
     try:
         mesh = trimesh.load(path, force="mesh")
         return np.asarray(mesh.vertices), np.asarray(mesh.faces)
-    except Exception as error:  # trimesh has many of its own
+    except Exception as error:  # trimesh has many exceptions of its own
         raise errors.unreadable(path, "a mesh that trimesh reads", error) from error

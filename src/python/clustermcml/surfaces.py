@@ -17,11 +17,11 @@ from . import errors
 from .surface_files import read_triangles, write_gsf, write_obj
 
 
-HIGHEST = 1e30  # cm; as in the files
+HIGHEST = 1e30  # largest |height| [cm], as in the program's own files
 
 
 def shortest(value: float) -> str:
-    """A number as the file has it: as few digits as give the same number again."""
+    """Returns a number as text, with as few digits as give the same number again."""
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
 
 
@@ -115,7 +115,8 @@ class Heightmap:
 
 
 def _turned(heights: Any) -> Any:
-    """A DataArray of x and y with y first. Where only one of them is a dimension, or coordinates fall, nobody knows what is meant."""
+    """Returns a DataArray with y before x. Refuses arrays with only one of both dimensions, and falling coordinates, because
+    their meaning is not clear."""
     if not {"x", "y"} & set(getattr(heights, "dims", ())):
         return heights
     falls = [name for name in ("y", "x") if name in heights.coords and name in heights.dims and np.any(np.diff(heights[name].values.astype(float)) <= 0)]
@@ -130,7 +131,7 @@ def _check_tile(name: str, value: object) -> None:
 
 
 def _option_words(options: dict[str, Any]) -> list[str]:
-    """The options of a mesh that are no defaults."""
+    """Returns the options of a mesh that differ from the defaults, as words of the line."""
     usual = {"up": "z", "rotate": 0.0, "units": "cm", "scale": 1.0, "shift": (0.0, 0.0, 0.0), "normals": "face", "skirt": None, "tile": False}
     words = []
     for key, value in options.items():
@@ -176,7 +177,7 @@ class Mesh:
     tile: Union[bool, str] = False
 
     def __post_init__(self) -> None:
-        if self.faces is None and self.vertices is not None:  # by position
+        if self.faces is None and self.vertices is not None:  # the arguments were given by position: vertices, faces
             self.path, self.vertices, self.faces = None, self.path, self.vertices
         if isinstance(self.path, (str, os.PathLike)) and os.path.splitext(self.path)[1].lower() in (".stl", ".ply"):
             self.path, self.vertices, self.faces = None, *read_triangles(errors.existing_file("Mesh.path", self.path))
@@ -208,7 +209,8 @@ class Mesh:
             raise errors.refuse("Mesh.faces", self.faces, f"indices from 0 to {len(vertices) - 1}")
 
     def words(self, directory: str, stem: str) -> tuple[str, list[str]]:
-        """The file's name in quotes, and the options. Writes DIRECTORY/STEM.obj where the mesh is no file."""
+        """Returns the name of the mesh's file in quotes, and its options. Writes DIRECTORY/STEM.obj if the mesh is given by
+        arrays."""
         name = f'"{stem}.obj"' if self.path is None else errors.quoted_file("Mesh.path", self.path)
         if self.path is None:
             write_obj(os.path.join(directory, stem + ".obj"), np.asarray(self.vertices), np.asarray(self.faces))

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Table:
-    """What is flown. columns: a value of each for every row; labels: those that are carried along. sizes: of the new dimensions."""
+    """The table of a sweep. columns: a value of each parameter for every row. labels: columns that are carried along and not
+    set. sizes: of the new dimensions."""
 
     columns: dict[str, list[Any]]
     labels: Sequence[str]
@@ -37,7 +38,7 @@ class _Table:
     coords: dict[str, Any]
 
     def write(self, path: str) -> None:
-        """For --sweep. Labels stand in quotation marks."""
+        """Writes the table for --sweep. Labels stand in quotation marks."""
         def cell(name: str, value: object) -> str:
             return '"' + str(value).replace('"', '""') + '"' if name in self.labels else str(value)
         with open(path, "w", encoding="utf-8") as file:
@@ -47,7 +48,7 @@ class _Table:
 
 
 def _column(name: str, values: Any, kinds: str, expected: str) -> list[Any]:
-    """Its values as Python's own. kinds: of arrays; numbers are floats."""
+    """Returns the values of a column as Python's own. kinds: allowed kinds of its dtype, as letters of numpy. Numbers become floats."""
     array = np.asarray(values) if "U" in kinds else errors.array(name, values, kinds, expected)
     array = array.astype(str) if array.dtype.kind == "O" else array
     if array.ndim != 1 or not array.size or array.dtype.kind not in kinds or not all(errors.is_line(str(value)) for value in array):
@@ -62,7 +63,7 @@ def _numbers(columns: Mapping[str, Any]) -> dict[str, list[float]]:
 
 
 def _grid(parameters: Mapping[str, Any]) -> _Table:
-    """All combinations, the last name running first."""
+    """Returns a table of all combinations of the values. The last name varies fastest."""
     values = _numbers(parameters)
     for name, numbers in values.items():
         if len(set(numbers)) < len(numbers):
@@ -72,7 +73,7 @@ def _grid(parameters: Mapping[str, Any]) -> _Table:
 
 
 def _rows(parameters: Mapping[str, Any], dim: str, coords: Sequence[str]) -> _Table:
-    """One run for each row of the columns, of which those in coords are carried along."""
+    """Returns a table with one run for each row of the columns. coords: columns that are carried along and not set."""
     missing = [name for name in coords if name not in parameters]
     if missing:
         raise errors.refuse("coords", missing[0], "names of columns of the table, or a dict of them")
@@ -89,7 +90,7 @@ def _rows(parameters: Mapping[str, Any], dim: str, coords: Sequence[str]) -> _Ta
 
 
 def _table(parameters: Any, dim: Optional[str], coords: Union[Sequence[str], Mapping[str, ArrayLike]]) -> _Table:
-    """Of what was given; a DataFrame's index counts where it has a name."""
+    """Returns the table of the arguments of `sweep`. The index of a DataFrame counts as a column if it has a name."""
     import pandas as pd
     columns, index = parameters, None
     if isinstance(parameters, pd.DataFrame):
@@ -112,12 +113,13 @@ def _table(parameters: Any, dim: Optional[str], coords: Union[Sequence[str], Map
 
 
 def write_table(parameters: Any, path: str) -> None:
-    """What sweep flies of parameters alone, for --sweep."""
+    """Writes the table that `sweep` flies for these parameters alone, for --sweep."""
     _table(parameters, None, ()).write(path)
 
 
 def _common(rows: Sequence[xr.Dataset]) -> tuple[list[str], list[str]]:
-    """Names of the arrays that all rows have in one size, and of the others: a surface may be a plane in some rows."""
+    """Returns the names of arrays that all rows have in the same size, and the names of all others. For example, a surface may be a plane in some
+    rows."""
     names = list(dict.fromkeys(str(name) for row in rows for name in row.data_vars))
     sizes = [{name: row[name].shape for name in row.data_vars} for row in rows]
     everywhere = [name for name in names if all(size.get(name) == sizes[0].get(name, ()) for size in sizes)]
@@ -125,7 +127,7 @@ def _common(rows: Sequence[xr.Dataset]) -> tuple[list[str], list[str]]:
 
 
 def _stack(rows: Sequence[xr.Dataset], table: _Table) -> xr.Dataset:
-    """The rows' arrays along the new dimensions, in front of their own axes."""
+    """Returns the arrays of all rows, stacked along the new dimensions, which come first."""
     import xarray as xr
     shape, dims = list(table.sizes.values()), list(table.sizes)
     stacked = xr.Dataset(attrs={key: value for key, value in rows[0].attrs.items() if all(row.attrs.get(key) == value for row in rows)})
@@ -141,7 +143,7 @@ def _stack(rows: Sequence[xr.Dataset], table: _Table) -> xr.Dataset:
 
 
 def _kept(result: xr.Dataset, table: _Table, variables: Optional[Sequence[str]]) -> xr.Dataset:
-    """A row's result, of which only the variables are kept."""
+    """Returns the result of a row with the wanted variables alone. None keeps all."""
     for name in (*table.sizes, *table.labels):
         if name in result.variables:
             raise errors.refuse("coords" if name in table.labels else "dim", name, "a name that no quantity or axis has")

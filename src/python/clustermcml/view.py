@@ -1,5 +1,6 @@
-"""The picture of a scene: the plane y = 0 with boundaries, layers, bodies, beams with the rays at their sides, detectors and the map, from what
-`check --json` and `mesh` say.
+"""Draws a scene in the plane y = 0: boundaries, layers, bodies, beams with their outer rays, detectors and the map.
+
+The shapes come from `check --json` and `mesh`.
 
 SPDX-License-Identifier: MIT
 """
@@ -19,9 +20,9 @@ from .pictures import COLOURS, drawing, save
 from .program import scratch_folder
 from .scene import Scene
 
-LAYERS, BODIES = 20, 40  # that are named
-MOST_CELLS = 2000  # of a tile, along the picture
-HALF = {"pencil": 0.0, "disk": 1.0, "gaussian": 1.0, "ring": 1.0, "rectangle": 0.5, "image": 0.5}  # of the size that reaches farthest
+LAYERS, BODIES = 20, 40  # numbers of layers and bodies that are named in the picture
+MOST_CELLS = 2000  # most cells of a tile along the picture
+HALF = {"pencil": 0.0, "disk": 1.0, "gaussian": 1.0, "ring": 1.0, "rectangle": 0.5, "image": 0.5}  # distance of the farthest part from the axis, in units of the beam's size
 
 
 # ---- sections ----
@@ -39,7 +40,8 @@ def _read_obj(path: str) -> tuple[Any, Any]:
 
 
 def section(points: Any, facets: Any, y: float) -> Any:
-    """Where the plane at y cuts triangles: [n, 2 ends, x and height], of those that it passes.
+    """Cuts triangles with the plane at y. Returns the cuts as [n, 2 ends, x and height]; triangles that the plane misses are
+    left out.
 
     >>> section(np.array([[0, -1, 0], [2, 1, 2], [0, 1, 0.0]]), np.array([[0, 1, 2]]), 0.0).tolist()
     [[[1.0, 1.0], [0.0, 0.0]]]
@@ -54,7 +56,7 @@ def section(points: Any, facets: Any, y: float) -> Any:
 
 
 class Line:
-    """The section of a boundary or body: pieces, depths down."""
+    """The section of a boundary or body, as straight pieces [n, 2 ends, x and z], z down."""
 
     def __init__(self, pieces: Any) -> None:
         self.pieces = pieces
@@ -66,7 +68,7 @@ class Line:
 
 
 def _boundary_pieces(boundary: dict[str, Any], shape: Optional[str], left: float, right: float) -> Any:
-    """Its shape, periods of it, and the plane in which it goes on."""
+    """Returns the pieces of a boundary: its shape, repeated if it has a period, and the plane beyond the shape."""
     outer = float(boundary["outer_z"])
     if shape is None:
         return np.array([[[left, outer], [right, outer]]])
@@ -101,12 +103,15 @@ def _body_pieces(body: dict[str, Any], shape: Optional[str]) -> Any:
 # ---- the frame ----
 
 def _half(beam: dict[str, Any]) -> float:
-    """Half the width of its shape along its own x."""
+    """Returns half the width [cm] of a beam's shape along its own x."""
     return HALF[beam["shape"]] * float(beam["size"][-1 if beam["shape"] == "ring" else 0]) if beam["size"] else 0.0
 
 
 def _width(scene: dict[str, Any], shapes: Iterable[Any]) -> tuple[float, float]:
-    """All that is no plane, of a tile one period, and map; the grid where there is nothing else; then beams and detectors."""
+    """Returns the left and right end of the picture [cm].
+
+    The picture holds all shapes that are no planes, one period of a tile, and the map. If there is none of these, it holds the
+    radial grid. Beams and detectors widen it."""
     ends = [end for points in shapes for end in (points[:, 0].min(), points[:, 0].max())]
     for body in scene.get("bodies", []):
         ends += [body["lower"][0], body["upper"][0]]
@@ -124,15 +129,18 @@ def _width(scene: dict[str, Any], shapes: Iterable[Any]) -> tuple[float, float]:
 
 
 def _reach(detector: dict[str, Any]) -> float:
-    """Half of what a detector takes along x: sizes are two radii, of a disk 0 and its own, or widths, of a map those of a pixel."""
+    """Returns half the width [cm] of a detector along x. Its sizes are two radii (the first is 0 for a disk), or widths; those
+    of a map are widths of a pixel."""
     if detector["shape"] in ("disk", "ring"):
         return float(max(detector["size"]))
     return float(detector["nx"] * detector["size"][0] / 2)
 
 
 def _depth(scene: dict[str, Any], depths: list[tuple[float, float]], width: float) -> tuple[float, float]:
-    """Those of all bodies, and down to the last boundary, or to the last that lies no deeper than twice the picture's width: layers are
-    often given as thick as the sea."""
+    """Returns the upper and lower end of the picture [cm].
+
+    The picture holds all bodies, and all boundaries that lie no deeper than twice its width, because layers are often given an
+    enormous thickness."""
     top, bottom = depths[0]
     for body in scene.get("bodies", []):
         top, bottom = min(top, body["lower"][2]), max(bottom, body["upper"][2])
@@ -164,14 +172,15 @@ def _beam_words(beam: dict[str, Any], number: str) -> str:
 
 
 def _arrow(axes: Any, tip: Any, foot: Any, **style: Any) -> None:
-    """As far as it lies in the frame."""
+    """Draws an arrow, cut off at the frame."""
     drawn = axes.annotate("", tuple(tip), tuple(foot), annotation_clip=False, arrowprops={"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, **style})
     drawn.arrow_patch.set_clip_path(axes.patch)
     drawn.set_in_layout(False)
 
 
 def _draw_beam(axes: Any, beam: dict[str, Any], frame: tuple[float, float, float, float]) -> None:
-    """Its axis, its sides, and the rays at its sides. One that starts inside has arrows from its middle."""
+    """Draws the axis of a beam, its sides, and the rays at its sides. A beam that starts inside is drawn as arrows from its
+    middle."""
     left, right, top, bottom = frame
     angle, across, half = math.radians(beam["angle"]), math.cos(math.radians(beam["azimuth"])), _half(beam)
     style: dict[str, Any] = {"color": COLOURS[1], "lw": 1.3}
@@ -198,7 +207,7 @@ def _draw_beam(axes: Any, beam: dict[str, Any], frame: tuple[float, float, float
 
 
 def _draw_detector(axes: Any, detector: dict[str, Any]) -> None:
-    """Where it stands, seen along y; the direction that it looks along, against the light, is short and dashed."""
+    """Draws a detector as seen along y. A short dashed line shows the direction in which it looks."""
     x, z, reach = detector["x"], detector["z"], _reach(detector)
     angle, across = math.radians(detector["angle"]), math.cos(math.radians(detector["azimuth"]))
     style: dict[str, Any] = {"color": COLOURS[2], "lw": 3.0, "solid_capstyle": "butt"}
@@ -212,7 +221,7 @@ def _draw_detector(axes: Any, detector: dict[str, Any]) -> None:
 
 
 def _label_detectors(axes: Any, detectors: list[dict[str, Any]], frame: tuple[float, float, float, float]) -> None:
-    """Beside their right ends and within the frame; where two would meet, one lies a line farther out."""
+    """Labels detectors beside their right ends, within the frame. A label that would meet another moves one line farther out."""
     left, right, top, bottom = frame
     letter, line = 0.012 * (right - left), 0.05 * (bottom - top)
     taken: list[tuple[float, float, float]] = []
@@ -227,7 +236,8 @@ def _label_detectors(axes: Any, detectors: list[dict[str, Any]], frame: tuple[fl
 
 
 def _label_media(axes: Any, scene: dict[str, Any], depths: list[float], frame: tuple[float, float, float, float]) -> None:
-    """Beside the right end of each layer, as far as there is room; of very many every second, third, ... one."""
+    """Labels media at the right end of each layer if there is room. Of very many layers, only every second, third ... is
+    labelled."""
     _, _, top, bottom = frame
     backing = scene["backing"]
     below = f"below, n = {scene['n_below']:g}"
@@ -251,14 +261,14 @@ def _label_media(axes: Any, scene: dict[str, Any], depths: list[float], frame: t
 
 
 def _caption(scene: dict[str, Any], stretch: float) -> str:
-    """stretch: how much longer a length along z is drawn than one along x."""
+    """Returns the caption. stretch: ratio of the drawn length of 1 cm along z to that along x."""
     named = [f"Boundary {b}: {boundary['shape']}." for b, boundary in enumerate(scene["boundaries"]) if boundary.get("shape")]
     plane = "Plane y = 0" + (f", z drawn {stretch:.2g} times as high as x is wide" if abs(math.log(stretch)) > 0.05 else "")
     return " ".join([plane + ".", *named[:6], *(["And others."] if len(named) > 6 else [])])
 
 
 def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = None) -> None:
-    """scene: of check. folder: where mesh has left the shapes."""
+    """Draws a scene. scene: answer of `check`. folder: folder with the shapes that `mesh` has written."""
     stem = os.path.join(folder, os.path.basename(scene["output"]))
     shapes = [f"{stem}.boundary{b}.obj" for b in range(len(scene["boundaries"]))]
     there = [shape if os.path.exists(shape) else None for shape in shapes]
@@ -273,7 +283,7 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
         figure = Figure(layout="constrained")
         axes = figure.subplots()
         axes.grid(False)
-        if len(lines) > 2000:  # they would be one black area
+        if len(lines) > 2000:  # more lines would be one black area
             lines = [*lines[::-(-len(lines) // 2000)], lines[-1]]
         for line in lines:
             line.draw(axes, color="#202020")
@@ -283,7 +293,7 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
             if len(pieces) and len(labels) < BODIES:
                 labels.append((float(pieces[..., 1].mean()), float(pieces[..., 0].max()), f"body {k + 1}, n = {scene['bodies'][k]['n']:g}"))
         last = -math.inf
-        for depth, x, text in sorted(labels):  # one below the other
+        for depth, x, text in sorted(labels):  # labels stand one below the other
             last = max(depth, last + 0.045 * (bottom - top))
             axes.annotate(text, (x, last), (4, 0), textcoords="offset points", va="center", fontsize="small", color=COLOURS[0])
         frame = (left, right, top, bottom)

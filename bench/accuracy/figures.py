@@ -71,7 +71,7 @@ def call(*words, **where):
 
 
 def curves_of(scene):
-    """Of CUDAMCML, too, where the report has them."""
+    """Returns the paths of the report's curves of a scene, those of CUDAMCML included if the report has them."""
     names = [scene + "-%s-2019.csv" % of for of in ("CUDAMCML", "clustermcml")] if scene.startswith("fig") else [scene + "-2019.csv"]
     return [os.path.join(CURVES, name) for name in names]
 

@@ -29,7 +29,7 @@ ANGLES = [*range(0, 81, 5), 85]
 
 
 def fly(program, folder, photons):
-    """The material, flown; its files stand in the folder."""
+    """Simulates the material and returns it. Its files stand in the folder."""
     os.environ["CLUSTERMCML"] = program
     import clustermcml as mc
     rough = mc.Rough("beckmann", ALPHA)
@@ -41,7 +41,7 @@ def fly(program, folder, photons):
 
 
 def direction(theta, phi):
-    """Upwards, degrees."""
+    """Returns a direction upwards from angles in degrees."""
     t, p = math.radians(theta), math.radians(phi)
     return [math.sin(t) * math.cos(p), math.sin(t) * math.sin(p), math.cos(t)]
 
@@ -65,7 +65,7 @@ def looked_up(fields, name, light, exit_):
 
 
 def compare_values(folder, variant, kind, name, pairs):
-    """The largest relative difference between Mitsuba's values and those of this reader."""
+    """Returns the largest relative difference between Mitsuba's values and those of this reader."""
     import mitsuba as mi
     import numpy as np
     import clustermcml as mc
@@ -84,7 +84,7 @@ def compare_values(folder, variant, kind, name, pairs):
 
 
 def sampled_albedo(folder, theta, rays):
-    """(mean, error) of what Mitsuba's samples of the file reflect."""
+    """Returns (mean, error) of the albedo of Mitsuba's samples of the file."""
     import mitsuba as mi
     import numpy as np
     mi.set_variant("scalar_rgb")
@@ -125,7 +125,7 @@ def slab(mi, folder, measured):
 
 
 def radiance(folder, exit_, measured, rays, seed):
-    """What a radiancemeter sees of the slab's middle at an exit, by light."""
+    """Returns the radiance of the slab's middle at an exit, by light."""
     import mitsuba as mi
     import numpy as np
     mi.set_variant("scalar_rgb")

@@ -170,8 +170,7 @@ def _label_of_column(word: str) -> str:
 
 
 def _others(path: str, name: str, times_r: bool) -> Curve:
-    """Reads a curve from a table: place, value, standard error. A table with names of columns (r_mid_cm, Rd_r_per_cm2) gives the columns of
-    `name`."""
+    """Reads a curve from a table: place, value, standard error, or columns with names (r_mid_cm, Rd_r_per_cm2), of which `name` counts."""
     rows, columns, names = _table(path), [0, 1, 2], ("", "")
     if rows and not _is_number(rows[0][1][0]):
         head = rows[0][1]
@@ -241,8 +240,7 @@ class Sweep:
         return (labels or able)[:1]
 
     def curves(self, over: str, by: Optional[str]) -> Iterator[tuple[str, list[dict[str, str]]]]:
-        """Yields the rows of each curve, and the value that tells it from others. If rows need a second column, the one that makes the fewest
-        curves is taken."""
+        """Yields the rows of each curve, and the value that tells it from others: of the column that makes the fewest curves, if rows need one."""
         def split(name: Optional[str]) -> dict[str, list[dict[str, str]]]:
             found: dict[str, list[dict[str, str]]] = {}
             for row in self.rows:

@@ -3,7 +3,6 @@
 # a text shows a whole command, the option must belong to that command. The program's help is the reference.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
-need_package
 cat >"$work/check.py" <<'END_OF_CHECK'
 import glob, re, subprocess, sys
 
@@ -42,7 +41,7 @@ def check_span(span, commands, every):
         return [], set()
     named = set(OPTION.findall(" ".join(words[at[0]:] if at else words).split(" | ")[0])) - (FOREIGN if not at else set())
     command = words[at[0] + 1].strip("[]") if at and at[0] + 1 < len(words) else ""
-    known = every if not at else commands.get(command, commands["run"] | {"--help", "--version"})
+    known = every if not at or command == "help" else commands.get(command, commands["run"] | {"--help", "--version"})
     return [f"`{span}`: no option {name}" for name in sorted(named - known)], named & every
 
 

@@ -96,7 +96,7 @@ test ! -e "$work/x.mco" && test ! -s "$work/out" || complain "a wrong file had r
 
 expect_code 0 --help
 grep -q '^usage: clustermcml ' "$work/out" || complain "--help shows no usage"
-for word in run plan check exact mesh trace crosscheck furnace compare plot view brdf profile devices help options input output fit 'exit codes' 75; do
+for word in run plan check exact mesh trace crosscheck furnace compare plot view brdf profile devices help options input output recipes 'exit codes' 75; do
     grep -q -e "^ *\\[*$word" "$work/out" || complain "--help does not mention $word"
 done
 cp "$work/out" "$work/list"
@@ -152,7 +152,7 @@ for word in layer1.mua layer12.d detector2.na boundary0.height Rd_r mua g n d li
     says $word '^| `' 12
 done
 for word in fibre wavelength Spectrum roughness BRDF gloss oximetry; do
-    says $word "^| .*$word" 90
+    says $word "^| .*[a-z].* | \[" 120
 done
 for option in set aim derivatives more keep resume no-clobber checkpoint; do
     says "--$option" "^  --$option" 90

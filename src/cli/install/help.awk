@@ -69,10 +69,17 @@ function item(line) {
     }
 }
 
+# Returns the pages of a folder; a page beside the folders has a title with a capital letter instead.
+function pages(text) {
+    gsub(/, /, " ", text)
+    return text ~ /[A-Z]/ ? "" : " " text
+}
+
 function end_item() {
     if (left != "") {
         if (section == "@list" && part == "exit codes") add("@EXIT_CODES@", ".TP\n.B " left "\n" prose(right))
         if (section == "@list" && part == "topics of help" && left !~ /[A-Z]/) topics = topics " " left
+        if (section == "@list" && part == "pages of the manual") topics = topics " " left pages(right)
         if (section == "@command" && part == "examples") add("@EXAMPLES@", roff(left))
         if (section == "@command" && part != "examples") own = own " " names(left, " ")
         if (section == "@options") option()
@@ -122,93 +129,16 @@ function end_command() {
     own = ""
 }
 
-# ---- a text in Markdown: headings, paragraphs, lists, tables (their first column becomes the tag), indented lines ----
-
-function text_line(line) {
-    if (line ~ /^```/) {
-        fenced = !fenced
-        if (!fenced) end_code()
-        return
-    }
-    if (fenced || line ~ /^    / && !listed) {
-        code_line(fenced ? line : substr(line, 5))
-        return
-    }
-    end_code()
-    if (line ~ /^ *$/) { end_paragraph(); listed = rows = 0; return }
-    gsub(/!\[[^]]*\]\([^)]*\)/, "", line)
-    while (match(line, /\[[^]]*\]\([^)]*\)/))
-        line = substr(line, 1, RSTART - 1) substr(line, RSTART + 1, index(substr(line, RSTART), "](") - 2) \
-               substr(line, RSTART + RLENGTH)
-    if (line ~ /^# /) return
-    if (line ~ /^##/) { end_paragraph(); sub(/^#+ */, "", line); add(key, ".SS " roff(line)); fresh = 1; return }
-    if (line ~ /^\|/) { row(line); return }
-    rows = 0
-    if (line ~ /^ *(-|[0-9]+\.) /) {
-        end_paragraph()
-        listed = 1
-        match(line, /(-|[0-9]+\.) /)
-        add(key, line ~ /^ *-/ ? ".IP \\(bu 2" : ".IP " substr(line, RSTART, RLENGTH - 1) " 4")
-        line = substr(line, RSTART + RLENGTH)
-        fresh = 1
-    }
-    paragraph = paragraph " " line
-}
-
-# Adds lines without changes.
-function code_line(line) {
-    end_paragraph()
-    if (!code) add(key, (fresh ? "" : ".PP\n") ".RS 4\n.nf")
-    code = 1
-    fresh = 0
-    gsub(/`/, "\001", line)
-    gsub(/\*/, "\002", line)
-    line = roff(line)
-    gsub(/\001/, "`", line)
-    gsub(/\002/, "*", line)
-    add(key, guarded(line))
-}
-
-function end_code() {
-    if (code) add(key, ".fi\n.RE")
-    code = 0
-}
-
-# Adds a row of a table: the first row names the columns, the second is a rule.
-function row(line,    count, cells, i, rest) {
-    end_paragraph()
-    if (++rows <= 2) return
-    gsub(/\\\|/, "\001", line)
-    count = split(line, cells, /[ \t]*\|[ \t]*/)
-    for (i = 3; i < count; i++) if (cells[i] !~ /^-?$/) rest = rest (rest == "" ? "" : "; ") cells[i]
-    gsub(/\001/, "|", cells[2])
-    gsub(/\001/, "|", rest)
-    add(key, ".TP\n" guarded(roff(cells[2])) "\n" prose(rest == "" ? "." : rest))
-    fresh = 0
-}
-
-function end_paragraph() {
-    if (paragraph ~ /[^ ]/) add(key, (fresh ? "" : ".PP\n") prose(paragraph))
-    if (paragraph ~ /[^ ]/) fresh = 0
-    paragraph = ""
-}
-
 FNR == 1 { file++ }
 
 file == 1 && /^@/ {
     end_item()
     end_command()
-    end_code()
-    end_paragraph()
     section = $1
     name = $2
     part = ""
-    key = "@" toupper(name) "@"
-    fresh = 1
-    rows = listed = fenced = 0
     next
 }
-file == 1 && section == "@text" { text_line($0); next }
 file == 1 && /^usage: / { if (section == "@command") usage($0); next }
 file == 1 && /^$/ { end_item(); next }
 file == 1 && /^[a-z ]+$/ && !/^ / {
@@ -221,7 +151,8 @@ file == 1 && /^  / { item($0); next }
 file == 1 && section == "@command" && part == "" { add("@COMMANDS@", prose($0)); next }
 
 file == 2 && FNR == 1 {
-    end_paragraph()
+    end_item()
+    end_command()
     add("@TOPICS@", substr(topics, 2))
 }
 file == 2 && ($0 in block) { printf "%s", block[$0]; next }

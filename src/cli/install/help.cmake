@@ -1,5 +1,5 @@
 # Writes all that `clustermcml help` can print into one file: cmake -D PROGRAM=COMMAND -D OUTPUT=FILE -P help.cmake
-# A line stands before each part: @list, @options, @command NAME or @text NAME.
+# A line stands before each part: @list, @options or @command NAME.
 # SPDX-License-Identifier: MIT
 cmake_policy(VERSION 3.22)
 # a program under the address sanitizer must not fail because a library leaks memory
@@ -30,9 +30,4 @@ cml_ask(options options)
 cml_items("commands" commands)
 foreach(name ${commands})
     cml_ask(command ${name})
-endforeach()
-cml_items("topics of help" texts)
-list(REMOVE_ITEM texts options keys)
-foreach(name ${texts})
-    cml_ask(text ${name})
 endforeach()

@@ -110,15 +110,17 @@ const struct cml_command_def cml_commands[] = {
                              "OpenCL devices with the numbers that "
                              "--device takes, and the version of Embree.",
                              "clustermcml devices\n"},
-    [CML_COMMAND_HELP] = {"help", "[TOPIC]", 0, 1, "this list, or the text on a topic",
-                          "Prints the list of commands; of a command what it does and its options; all "
-                          "options, or one, with what the texts say of it; or a text: what an "
-                          "input file may hold, what the output is. Of any other word, such as a line of the "
-                          "scene, a name that --set takes or an array, what the texts say of it.",
-                          "clustermcml help run\n"
-                          "clustermcml help --set\n"
-                          "clustermcml help beam\n"
-                          "clustermcml help input | less\n"},
+    [CML_COMMAND_HELP] =
+        {"help", "[TOPIC]", 0, 1, "this list, or the text on a topic",
+         "Prints the list of commands and pages. TOPIC is a command, an option, `options`, `keys`, a page of "
+         "the "
+         "manual, or a word: a line of the scene, a key, a name that --set takes, an array, or a "
+         "word of the field such as fibre. For a word it prints the section of the manual, or the "
+         "rows of its tables.",
+         "clustermcml help run\n"
+         "clustermcml help --set\n"
+         "clustermcml help beam\n"
+         "clustermcml help input | less\n"},
 };
 _Static_assert(sizeof cml_commands / sizeof *cml_commands == CML_NUM_COMMANDS, "a command without a row");
 

@@ -81,13 +81,6 @@ static void print_options(FILE *stream, enum cml_command command)
     }
 }
 
-/* Returns the last part of a page's name; an index has the name of its folder. */
-static const char *short_name(const struct cml_manual_page *page)
-{
-    const char *slash = strrchr(page->name, '/');
-    return slash && strcmp(slash, "/index") != 0 ? slash + 1 : page->name;
-}
-
 /* Prints the names of the pages in a folder. */
 static void print_pages(FILE *stream, const char *folder)
 {
@@ -97,8 +90,8 @@ static void print_pages(FILE *stream, const char *folder)
         const size_t own = strcspn(page->name, "/");
         const bool is_index = strstr(page->name, "/index");
         if (is_index || own != strlen(folder) || strncmp(page->name, folder, own) != 0) continue;
-        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", length ? ", " : "",
-                                   short_name(page));
+        length +=
+            (size_t)snprintf(names + length, sizeof names - length, "%s%s", length ? ", " : "", page->word);
     }
     print_item(stream, folder, names);
 }
@@ -113,12 +106,13 @@ static void print_topics(FILE *stream)
     print_item(stream, "WORD",
                "a line of the scene (beam) or a key (mua), a name that --set takes (layer1.mua), an array "
                "(Rd_r), or a word of the field (fibre, spectrum)");
-    fprintf(stream, "\npages of the manual, by folder\n");
+    fprintf(stream, "\npages of the manual\n");
     for (const struct cml_manual_page *page = cml_manual; page->name; page++) {
         char folder[40], title[80];
         const char *begin = page->text + strspn(page->text, "# ");
         snprintf(folder, sizeof folder, "%.*s", (int)strcspn(page->name, "/"), page->name);
         snprintf(title, sizeof title, "%.*s", (int)strcspn(begin, "\n"), begin);
+        if (strcmp(page->name, "index") == 0) continue;
         if (!strchr(page->name, '/'))
             print_item(stream, folder, title);
         else if (page == cml_manual || strncmp(page[-1].name, page->name, strlen(folder) + 1) != 0)
@@ -192,7 +186,7 @@ static cml_status refuse(const char *topic, struct cml_error *err)
     struct cml_guess guess = {.word = topic, .length = strlen(topic)};
     for (int i = 0; i < CML_NUM_COMMANDS; i++) cml_guess_offer(&guess, cml_commands[i].name);
     for (const struct cml_manual_page *page = cml_manual; page->name; page++)
-        cml_guess_offer(&guess, short_name(page));
+        cml_guess_offer(&guess, page->word);
     const char *meant = cml_guess_best(&guess);
     if (strncmp(topic, "--", 2) == 0) {
         meant = cml_option_guess(topic + 2, strlen(topic + 2));

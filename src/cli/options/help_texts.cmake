@@ -10,17 +10,21 @@ set(arrays "")
 set(number 0)
 foreach(page ${pages})
     string(REGEX REPLACE "\\.md$" "" name ${page})
+    get_filename_component(word ${name} NAME)
+    if(word STREQUAL "index" AND name MATCHES "/")
+        get_filename_component(word ${name} DIRECTORY)
+    endif()
     file(READ ${MANUAL}/${page} bytes HEX)
     string(REGEX REPLACE "(................................)" "\\1\n" bytes "${bytes}")
     string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
     string(APPEND arrays "static const char text_${number}[] = {\n${bytes}0};\n")
-    string(APPEND rows "    {\"${name}\", text_${number}},\n")
+    string(APPEND rows "    {\"${name}\", \"${word}\", text_${number}},\n")
     math(EXPR number "${number} + 1")
 endforeach()
 file(WRITE ${OUTPUT} "#include \"cli/options/manual.h\"
 
 ${arrays}
 const struct cml_manual_page cml_manual[] = {
-${rows}    {0, 0},
+${rows}    {0, 0, 0},
 };
 ")

@@ -19,14 +19,8 @@ static void print_line(FILE *stream, const char *line)
 
 const struct cml_manual_page *cml_manual_find(const char *name)
 {
-    for (const struct cml_manual_page *page = cml_manual; page->name; page++) {
-        const char *slash = strrchr(page->name, '/');
-        const bool is_index = slash && strcmp(slash, "/index") == 0;
-        const size_t folder = slash ? (size_t)(slash - page->name) : 0;
-        if (strcmp(page->name, name) == 0 || (slash && !is_index && strcmp(slash + 1, name) == 0) ||
-            (is_index && strlen(name) == folder && strncmp(page->name, name, folder) == 0))
-            return page;
-    }
+    for (const struct cml_manual_page *page = cml_manual; page->name; page++)
+        if (strcmp(page->name, name) == 0 || strcmp(page->word, name) == 0) return page;
     return NULL;
 }
 

@@ -4,16 +4,17 @@
 
 #include <stdio.h>
 
-/* A page in Markdown, as in the source. name: its path below samples/manual without ".md" ("input/beams"). */
+/* A page in Markdown. */
 struct cml_manual_page {
-    const char *name, *text;
+    const char *name; /* path below samples/manual without ".md": "input/beams" */
+    const char *word; /* last part of the name: "beams"; of an index its folder: "input" */
+    const char *text; /* the whole source */
 };
 
 /* All pages sorted by name; the last has no name. help_texts.cmake writes this list. */
 extern const struct cml_manual_page cml_manual[];
 
-/* Returns a page by its name, the last part of it ("beams"), or a folder ("input", which means its index).
- * NULL: no such page. */
+/* Returns the first page with this name or word; NULL: no such page. */
 const struct cml_manual_page *cml_manual_find(const char *name);
 
 /* Prints the sections whose heading has the word in backquotes, and the rows of tables whose first cell has

@@ -1,5 +1,6 @@
-/* JSON of what a run, exact or a finished run found. Programs read the keys, so they stay as they are; texts
- * name them. SPDX-License-Identifier: MIT */
+/* JSON of the results of `run` and `exact`, and of a finished run that --resume finds. Other programs read
+ * the keys, so no key is ever renamed; samples/manual/output/json.md lists them. SPDX-License-Identifier: MIT
+ */
 #include "output/report_json_scene.h"
 
 #include "base/json_name.h"
@@ -18,7 +19,7 @@ static json_t *files_json(const struct cml_report *report)
     return list;
 }
 
-/* NAME of a quantity and what follows it. A key that is there stays where it is. */
+/* Sets the key NAME + end of a quantity to a value, unless the object has the key. */
 static void set_quantity(json_t *object, enum cml_quantity quantity, const char *end, const double *value)
 {
     char key[64];
@@ -26,7 +27,7 @@ static void set_quantity(json_t *object, enum cml_quantity quantity, const char 
     if (value && !json_object_get(object, key)) cml_json_set_real(object, key, *value);
 }
 
-/* One number, or a list where the quantity has an axis that is not that of detectors. */
+/* Returns one number, or a list if the quantity has an axis other than that of detectors. */
 static json_t *part_json(const struct cml_outcome *o, enum cml_quantity quantity, const double *values,
                          int part)
 {
@@ -39,7 +40,8 @@ static json_t *part_json(const struct cml_outcome *o, enum cml_quantity quantity
     return list;
 }
 
-/* The values and their errors, of every detector where there is one of each. A key that is there stays. */
+/* Sets the values and errors of a quantity, with a key for each detector if detectors are its axis. Keys that
+ * the object has are kept. */
 static void set_parts(json_t *object, const struct cml_outcome *o, enum cml_quantity quantity)
 {
     char key[CML_OUTCOME_KEY + 4];
@@ -53,8 +55,8 @@ static void set_parts(json_t *object, const struct cml_outcome *o, enum cml_quan
     }
 }
 
-/* Numbers of the table that are new to it come last. `residue` is the imbalance of weight in units of 2^-31
- * packets, 0 unless the program is wrong. */
+/* Sets all results. Quantities that were added later come last. `residue` is the imbalance of weight in units
+ * of 2^-31 packets, 0 unless the program is wrong. */
 static void set_results(json_t *object, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;
@@ -75,7 +77,8 @@ static void set_results(json_t *object, const struct cml_report *report)
         if (cml_quantities[i].where & CML_IN_JSON) set_parts(object, o, (enum cml_quantity)i);
 }
 
-/* Seconds. `idle` waited for other ranks, `asking` for photons, `sums` summed and wrote checkpoints. */
+/* Sets times in seconds: `idle` is the wait for other ranks, `asking` the wait for photons, and `sums` the
+ * time for summing results and writing checkpoints. */
 static json_t *ranks_json(const struct cml_timing *timing)
 {
     json_t *list = json_array();
@@ -89,7 +92,7 @@ static json_t *ranks_json(const struct cml_timing *timing)
     return list;
 }
 
-/* Seconds to a relative standard error of 1 %; null where the total was not seen. */
+/* Sets the seconds that a run needs to a relative standard error of 1 %; null if no packet contributed. */
 static void set_seconds_to_error(json_t *object, const struct cml_report *report)
 {
     for (int i = 0; i < CML_NUM_GOALS; i++) {
@@ -99,7 +102,7 @@ static void set_seconds_to_error(json_t *object, const struct cml_report *report
     }
 }
 
-/* What depends on the machine and the moment, not on the light. */
+/* Sets the numbers that depend on the machine and the load, not on the scene. */
 static void set_speed(json_t *object, const struct cml_report *report)
 {
     const struct cml_timing *timing = report->timing;
@@ -120,7 +123,7 @@ static void set_speed(json_t *object, const struct cml_report *report)
     cml_json_set_real(object, "communication", cml_timing_communication(timing));
 }
 
-/* Totals by adding-doubling, and for each the limit of its error. */
+/* Sets the totals by adding-doubling, each with the limit of its error. */
 static void set_exact(json_t *object, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     const int last = scene->backing.kind == CML_BACKING_NONE ? CML_EXACT_TT : CML_EXACT_BACKING;
@@ -138,7 +141,8 @@ static void set_exact(json_t *object, const struct cml_scene *scene, const struc
     json_object_set_new(object, "converged", json_boolean(exact->converged));
 }
 
-/* What a run prints beside its own totals; null where there is none. */
+/* Sets the totals of a flat scene by adding-doubling, which a run prints beside its own; null if there are
+ * none. */
 static void set_exact_totals(json_t *object, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     const double none = NAN, worst = exact ? cml_exact_worst(exact) : NAN;
@@ -158,7 +162,7 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
     return cml_json_print(stream, object, err);
 }
 
-/* What was set from outside the file: all of it are numbers. */
+/* Sets the values of --set and of a row of a sweep; all of them are numbers. */
 static json_t *settings_json(const char *text)
 {
     json_t *object = json_object();
@@ -172,7 +176,8 @@ static json_t *settings_json(const char *text)
     return object;
 }
 
-/* What decided the bits, a name or a whole number each. One that is there stays where it is. */
+/* Sets the options that decide the bits of a result, each a name or a whole number. Keys that the object has
+ * are kept. */
 static void set_option(json_t *object, const struct cml_provenance *provenance,
                        enum cml_option_of_bits option)
 {
@@ -185,7 +190,8 @@ static void set_option(json_t *object, const struct cml_provenance *provenance,
                                                              : json_real(value));
 }
 
-/* How many packets were saved, and of how many; and the run's first photons of which none is missing. */
+/* Sets the numbers of saved packets and of packets that could have been saved, and how many of the run's
+ * first photons are complete. */
 static void set_saved(json_t *object, const struct cml_report *report)
 {
     const struct cml_result *sums = report->sums;
@@ -196,7 +202,7 @@ static void set_saved(json_t *object, const struct cml_report *report)
                                   (json_int_t)kept.found, "covers", (json_int_t)report->covers));
 }
 
-/* One object on one line. */
+/* Prints the record of a run as one object on one line. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
     const struct cml_provenance *provenance = report->provenance;
@@ -227,7 +233,7 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
                                 report->sums->photons, err);
 }
 
-/* The end of a path, from behind the slash that so many others follow. */
+/* Returns the end of a path that has `slashes` slashes. */
 static const char *end_of(const char *path, int slashes)
 {
     const char *end = path + strlen(path);
@@ -235,7 +241,7 @@ static const char *end_of(const char *path, int slashes)
     return end;
 }
 
-/* The files as they are called from here, where `folder` is what stands before the output's own name. */
+/* Renames files for the current directory: `folder` is the part of the path before the output's own name. */
 static void rename_files(json_t *files, const char *folder, int slashes)
 {
     size_t i;

@@ -1,4 +1,4 @@
-/* JSON of a scene: the parts that check and run say of it, and the record of check.
+/* JSON of a scene: the parts that check and run have in common, and the record of check.
  * SPDX-License-Identifier: MIT */
 #include "output/report_json_scene.h"
 
@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a picture needs of a boundary: its depth, that of the plane in which it goes on, the period of a tile,
- * and where its shape comes from. */
+/* Sets the place of a boundary for pictures: its depth, the depth of the plane in which it continues, the
+ * period of a tile, and the source of its shape. */
 static void set_place(json_t *object, const struct cml_boundary *boundary)
 {
     const char *slash = boundary->file ? strrchr(boundary->file, '/') : NULL;
@@ -28,7 +28,7 @@ static void set_place(json_t *object, const struct cml_boundary *boundary)
             json_pack("[f,f]", cml_tile_period(&boundary->tile, 0), cml_tile_period(&boundary->tile, 1)));
 }
 
-/* Key `rough` of a boundary or a body whose surface is. */
+/* Sets the key `rough` of a boundary or a body with a rough surface. */
 static void set_rough(json_t *object, const struct cml_rough_def *rough)
 {
     if (!cml_is_rough(rough)) return;
@@ -36,7 +36,7 @@ static void set_rough(json_t *object, const struct cml_rough_def *rough)
                         json_pack("{s:s, s:f}", "kind", cml_rough_word(rough->kind), "alpha", rough->alpha));
 }
 
-/* How a boundary is represented. An unknown bias is infinite. */
+/* Sets the representation of a boundary: plane, cones or mesh, and its bias. An unknown bias is infinite. */
 json_t *cml_json_boundary(const struct cml_json_subject *subject, int b)
 {
     const struct cml_surface_def *def = &subject->surfaces->item[b];
@@ -52,7 +52,7 @@ json_t *cml_json_boundary(const struct cml_json_subject *subject, int b)
     return object;
 }
 
-/* Key `phase` of a medium that has one: the words of its line. */
+/* Sets the key `phase` of a medium with a phase line: the words of the line. */
 static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
 {
     char words[128] = "";
@@ -66,7 +66,7 @@ static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
     return medium;
 }
 
-/* The numbers and flags of a scene's line, as in the file; base NULL: null for each. */
+/* Sets the numbers and flags of a scene's line, as in the file; base NULL: null for each. */
 static void set_keys(json_t *object, enum cml_key_group group, const void *base)
 {
     for (const struct cml_key *key = cml_keys_of(group); key->group == group; key++) {
@@ -88,7 +88,7 @@ static json_t *keys_json(enum cml_key_group group, const void *base)
     return object;
 }
 
-/* Sizes as behind the word. `z` is null where packets start above all surfaces. */
+/* Sets the sizes of a beam in the order of its line. `z` is null if packets start above all surfaces. */
 json_t *cml_json_beam(const struct cml_json_subject *subject, int k)
 {
     static const int sizes[] = {0, 1, 1, 2, 2, 2};
@@ -115,7 +115,7 @@ json_t *cml_json_beam(const struct cml_json_subject *subject, int k)
     return object;
 }
 
-/* The scene's backing; null where it has none. */
+/* Returns the scene's backing; null if it has none. */
 json_t *cml_json_backing(const struct cml_backing_def *backing)
 {
     if (backing->kind == CML_BACKING_NONE) return json_null();
@@ -128,14 +128,14 @@ json_t *cml_json_backing(const struct cml_backing_def *backing)
     return object;
 }
 
-/* "layer" or "body", and its number from 1. */
+/* Returns "layer" or "body" with its number, from 1. */
 static json_t *host_json(const struct cml_scene *scene, int host)
 {
     const int body = host - scene->num_layers - 1;
     return body > 0 ? json_pack("{s:i}", "body", body) : json_pack("{s:i}", "layer", host);
 }
 
-/* Corners of the box around a body, cm. */
+/* Returns the two corners of the box around a body, cm. */
 static void set_box(json_t *object, const struct cml_scene_body *body)
 {
     double lower[3], upper[3];
@@ -172,7 +172,7 @@ static json_t *layer_json(const struct cml_json_subject *subject, int l)
     return with_phase(object, medium->phase);
 }
 
-/* Sizes as behind the word: radii, lengths, or those of a pixel. */
+/* Sets the sizes of a detector in the order of its line: radii, lengths, or those of a pixel. */
 static json_t *detector_json(const struct cml_json_subject *subject, int k)
 {
     const struct cml_detector_def *d = &subject->scene->detectors[k];
@@ -207,7 +207,7 @@ static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *
     return object;
 }
 
-/* Who asks for a list of the beams has their photons first. */
+/* Deals the photons to the beams. A list of beams is printed only after this call. */
 static cml_status deal_beams(struct cml_json_subject *subject, uint64_t photons, struct cml_error *err)
 {
     const struct cml_scene *scene = subject->scene;

@@ -1,4 +1,4 @@
-/* Numbers and messages of keys. SPDX-License-Identifier: MIT */
+/* Reads, stores and prints numbers of keys, and words their ranges. SPDX-License-Identifier: MIT */
 #include "input/keys/key.h"
 
 #include "base/constants.h"
@@ -22,8 +22,8 @@ static bool is_whole(const struct cml_key *key)
     return key->type == CML_KEY_INT || key->type == CML_KEY_COUNT;
 }
 
-/* Whole numbers go through both: cml_parse_count refuses numbers that are not whole, and the range is
- * compared as doubles. */
+/* Whole numbers are parsed twice: cml_parse_count refuses numbers that are not whole, and the range is
+ * compared with doubles. */
 bool cml_key_parse(const struct cml_key *key, const char *word, double *value)
 {
     double number = 0;
@@ -62,7 +62,7 @@ double cml_key_load(const struct cml_key *key, const void *base)
     return key->type == CML_KEY_ANGLE ? cml_key_degrees(*(const double *)member) : *(const double *)member;
 }
 
-/* "1e30", "1e-4", "0.01", "2^48". */
+/* Prints a bound as the manual has it: "1e30", "1e-4", "0.01", "2^48". */
 static const char *print_bound(double bound, char text[24])
 {
     int power = 0;
@@ -73,7 +73,7 @@ static const char *print_bound(double bound, char text[24])
     return text;
 }
 
-/* "top or bottom". */
+/* Joins the words of a key with commas and "or": "top or bottom". */
 static void print_words(const char *words, char text[CML_KEY_TEXT])
 {
     char *end = text;

@@ -1,17 +1,17 @@
-/* The keys of a scene's lines: numbers, words and flags, each with its unit, range, member and meaning.
- * The reader of scenes, --set, the JSON of check and help walk one table (key_table.c). Knows no lines.
+/* The keys of a scene's lines: numbers, words and flags, each with its unit, range, default, struct member
+ * and meaning. The reader of scenes, --set, the JSON of check and help use one table of them (key_table.c).
  * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Beyond these a float overflows somewhere in the transport; nobody's tissue is a light year thick. */
+/* The largest and the smallest number of a scene. Beyond them a float overflows in the transport. */
 #define CML_MCI_HUGE 1e30
 #define CML_MCI_TINY 1e-30
 
-/* Keys whose members lie in one struct, and which a line has together: the group, the line in the manual, and
- * what stands before the dot in --set; NULL: nothing of it can be set. */
+/* Groups of keys. A line has the keys of a group together, and their members lie in one struct. X(group, name
+ * of the line in the manual, word before the dot in --set; NULL: --set takes no key of the group) */
 /* clang-format off */
 #define CML_KEY_GROUPS(X) \
     X(RUNS, "runs", NULL) \
@@ -89,12 +89,12 @@ enum cml_key_type {
     CML_KEY_OWN    /* the line's reader reads it */
 };
 
-/* Bits of cml_key.use. */
+/* Bits of `use` in struct cml_key. */
 enum {
-    CML_KEY_PLACED = 1, /* a number in its place behind the line's word */
-    CML_KEY_OPTION = 2, /* key=value, or a flag, behind these */
-    CML_KEY_SET = 4,    /* --set and columns of a sweep */
-    CML_KEY_JSON = 8,   /* check --json */
+    CML_KEY_PLACED = 1, /* a number at a fixed place behind the line's word */
+    CML_KEY_OPTION = 2, /* key=value, or a flag, behind the numbers */
+    CML_KEY_SET = 4,    /* --set and columns of a sweep take the key */
+    CML_KEY_JSON = 8,   /* check --json prints the key */
     CML_KEY_OR_0 = 16,  /* 0 is in the range, too */
     CML_KEY_ABOVE = 32, /* `least` itself is not in the range */
     CML_KEY_BELOW = 64, /* `most` itself is not in the range */
@@ -115,7 +115,7 @@ struct cml_key {
     const char *meaning;  /* for the manual */
 };
 
-/* The table, a group after the other; the last row has the group CML_KEYS_NONE. */
+/* All keys, group after group; the last row has the group CML_KEYS_NONE. */
 extern const struct cml_key cml_key_table[];
 
 /* A group of keys, and the struct in which their members lie. */
@@ -124,38 +124,41 @@ struct cml_key_part {
     void *base;
 };
 
-/* A list of parts for one call: CML_KEY_PARTS({group, base}, {group, base}). */
+/* Makes a list of parts for one call: CML_KEY_PARTS({group, base}, {group, base}). */
 #define CML_KEY_PARTS(...) ((const struct cml_key_part[]){__VA_ARGS__, {CML_KEYS_NONE, NULL}})
 #define CML_MOST_KEY_PARTS 10
 
-/* The first row of a group, which the rest follows. */
+/* Returns the first row of a group; the other rows of the group follow it. */
 const struct cml_key *cml_keys_of(enum cml_key_group group);
 
-/* Its name in messages. */
+/* Returns the key's name in messages. */
 static inline const char *cml_key_shown(const struct cml_key *key)
 {
     return key->shown ? key->shown : key->name;
 }
 
-/* True when the entire word is a number in the key's range: *value as in the file. */
+/* Returns true if the entire word is a number in the key's range; *value is then the number as in the file.
+ */
 bool cml_key_parse(const struct cml_key *key, const char *word, double *value);
 
-/* rad in degrees of up to 14 digits, as more is rounding. */
+/* Returns an angle of rad in degrees, rounded to 14 digits, because further digits are rounding errors. */
 double cml_key_degrees(double angle);
 
-/* The member of a REAL, ANGLE, INT or COUNT, as in the file. */
+/* Stores a number as in the file into the member of a REAL, ANGLE, INT or COUNT. base: the group's struct. */
 void cml_key_store(const struct cml_key *key, void *base, double value);
+/* Returns the member of a REAL, ANGLE, INT or COUNT in the unit of the file. */
 double cml_key_load(const struct cml_key *key, const void *base);
 
-/* The range in words: "a length of 1e-30..1e30 cm". */
+/* Returns the range in words: "a length of 1e-30..1e30 cm". */
 #define CML_KEY_TEXT 120
 const char *cml_key_expected(const struct cml_key *key, char text[CML_KEY_TEXT]);
 
-/* The range without noun and unit: "0 to 1e30"; the words or the form of a key that is no number. */
+/* Returns the range without noun and unit: "0 to 1e30"; the words or the form of a key that is no number. */
 const char *cml_key_range(const struct cml_key *key, char text[CML_KEY_TEXT]);
 
-/* The value that the reader takes where the key is absent: "0", "no" of a flag, or "required". */
+/* Returns the value that the reader takes if the key is absent: "0", "no" of a flag, or "required". */
 const char *cml_key_fallback(const struct cml_key *key);
 
-/* "1/cm", "cm", "degree" or "1" of a name that --set takes, by the last word of the name. */
+/* Returns the unit of a name that --set takes, by the last word of the name: "1/cm", "cm", "degree" or "1".
+ */
 const char *cml_key_unit(const char *name);

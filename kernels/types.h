@@ -438,7 +438,8 @@ struct cml_packet {
     cml_u32 shading_overruled; /* boundary events that the facet decided against the shading normal */
 #ifndef __OPENCL_VERSION__     /* a packet on a device has only the members above (device_layout.h) */
     /* The visit under way of the packet's medium (P13): length in cm, largest depth in the frame of the
-     * medium, and the sum of 1 - cosine of its scatterings. */
+     * medium, and the sum of 1 - cosine of its scatterings. before: interactions of the packet before the
+     * visit. */
     real here, low, momentum;
     cml_u32 before;
     struct cml_trail trail;

@@ -186,10 +186,10 @@ static bool has_kind(const struct cml_surface_set *surfaces, enum cml_surface_ki
     return false;
 }
 
-/* Cross-checks a scene with its surfaces as chosen, as meshes, and on OpenCL. The meshes are left out where
- * they would be planes again. With meshes all packets start above boundary 0: a plane takes the specular part
- * off every packet, while a mesh reflects some packets as a whole, and few such differences would look like
- * many errors. */
+/* Cross-checks a scene with its surfaces as chosen, as meshes, and on OpenCL. Meshes are left out if
+ * they would be planes. If meshes are compared, all sides start their packets above boundary 0: a plane would
+ * split the specular part off every packet, while a mesh reflects a few packets as a whole, and that
+ * difference alone would look like an error. */
 static cml_status check_surfaces(const struct cml_options *options, const struct cml_scene *scene, int index,
                                  const struct cml_surface_set *chosen, const struct cml_surface_set *meshes,
                                  struct cml_error *err)

@@ -312,7 +312,7 @@ static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *su
             continue;
         }
         if (to.windows.detector) plan->of_detector[k] = to.windows;
-        plan->of_detector[k].target = NULL;
+        plan->of_detector[k].target = NULL; /* owned by `to`, and freed with it */
         cml_aim_clear(&to);
     }
 }

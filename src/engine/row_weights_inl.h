@@ -515,7 +515,9 @@ static inline void cml_rows_detect(const struct cml_world *world, const struct c
     }
 }
 
-/* Adds the light to the bin of its direction. Squares are those of a whole packet. */
+/* Adds the light to the bin of its direction, for each row. If errors come of groups, each group has bins of
+ * its own, once.step apart. If not (step 0), squares of weights are summed once.squares bins behind. Rows
+ * count in 2^-30 packets and squares in 2^-31, hence 2 * part. */
 static inline void cml_rows_direct(const struct cml_setup *setup, const struct cml_row_light *of)
 {
     const struct cml_row_packet *rows = of->rows;

@@ -216,8 +216,9 @@ static double least_gap(const struct cml_scene *scene, const struct cml_world *w
            1e-9 * fmax(scene->nr * scene->dr, scene->nz * scene->dz);
 }
 
-/* Refuses a place on a surface, whose medium is uncertain: one that has another medium so near in any of 26
- * directions. These go to the sides, corners and edges of a cube, because edges of a surface stand out. */
+/* Refuses a start on a surface, where the medium is uncertain. Tests the 26 neighbours in a cube of half side
+ * `gap` about the start (and, as k = 13, the start itself): if one lies in another medium, a surface is near.
+ */
 static cml_status check_place(const struct cml_scene *scene, const struct cml_world *world,
                               const struct cml_beam *beam, int medium, struct cml_error *err)
 {

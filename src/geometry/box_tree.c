@@ -191,7 +191,7 @@ static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, stru
 cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3], size_t num_triangles,
                               struct cml_boxtree **tree, struct cml_error *err)
 {
-    double(*centre)[3] = malloc(num_triangles * sizeof *centre);
+    double(*centre)[3] = malloc(num_triangles * sizeof *centre); /* times 3, as only the order counts */
     if (!centre)
         return cml_fail_memory(err, (double)(num_triangles * sizeof *centre), "the overlap check of a mesh");
     for (size_t i = 0; i < num_triangles; i++) {

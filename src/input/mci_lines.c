@@ -149,7 +149,8 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
                      reader->cursor + 1);
 }
 
-/* Keeps data lines and keyword lines, which decide the result; comments do not. */
+/* Goes to the next data line or keyword line, and keeps its text, which decides the result. Comments are
+ * passed over, but for those marked as keyword lines (#@). */
 cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind)
 {
     char *line = NULL;

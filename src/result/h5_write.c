@@ -50,8 +50,8 @@ static bool is_written(const struct cml_outcome *o, enum cml_quantity quantity)
            !(deep && !cml_quantity_is_fluence(quantity) && lacks_absorption(o));
 }
 
-/* Adds the depths as a field of their own. An .h5 without absorption has them, too, because the run's .mco
- * does. */
+/* Adds the centres of the bins of depth as a field. An .h5 without absorption has the field, too, so that it
+ * has the axes of the .mco. */
 static void add_depths(struct fields *f)
 {
     struct cml_field *depths = &f->field[f->count++];

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-/* Returns the sums of the times of all ranks. */
+/* Returns the sums of the times of all ranks; `asking` is all communication, requests and sums. */
 static struct cml_rank_report sum_of(const struct cml_timing *timing)
 {
     struct cml_rank_report sum = {0};

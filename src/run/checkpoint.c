@@ -74,7 +74,7 @@ static void put(struct sink *sink, const void *data, size_t size)
 static void write_all(FILE *stream, const char *identity, const char *call, const struct cml_run_state *state,
                       const struct cml_record *record, struct cml_result *result)
 {
-    static const struct cml_record unknown;
+    static const struct cml_record unknown; /* of a run that is not finished */
     struct sink sink = {stream, crc32(0, NULL, 0)};
     struct head head = {.order = ORDER,
                         .version = VERSION,
@@ -86,7 +86,7 @@ static void write_all(FILE *stream, const char *identity, const char *call, cons
                         .part = state->part};
     const char *const text = record ? record->json : call;
     if (!record) record = &unknown;
-    static const struct cml_summary none;
+    static const struct cml_summary none; /* of a rank that has no result */
     size_t cells = 0;
     const cml_u128 *cell = result ? cml_result_cells(result, &cells) : NULL;
     struct cml_saved *const saved = result ? result->saved : NULL;

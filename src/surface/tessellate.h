@@ -9,10 +9,12 @@
  * Bound: the mesh's radius differs from the cone's by at most tolerance * r_last. A vertex takes r (sqrt(a /
  * sin a) - 1) = pi^2 r / (3 N^2) + O(N^-4) of that.
  *
- * Shape: N is the smallest number that keeps the bound. N is raised until no ring makes needles (an arc
- * longer than 16 ring widths) and no strip folds over. Beside a ring over 256 times wider, the longest arc is
- * the geometric mean of both widths, since a finer ring would only move the needles into the neighbour.
- * Beyond 4e6 triangles the rule against needles is relaxed.
+ * Shape: a needle is a triangle whose arc is longer than 16 times the width of its ring.
+ *   1. N is the smallest number that keeps the bound.
+ *   2. N is raised until no ring makes needles and no strip folds over.
+ *   3. A ring beside one over 256 times wider may have arcs of up to the geometric mean of both widths:
+ * shorter arcs would make needles of the wide ring's strip.
+ *   4. Beyond 4e6 triangles rule 2 allows needles.
  * SPDX-License-Identifier: MIT */
 #pragma once
 

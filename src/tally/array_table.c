@@ -140,7 +140,7 @@ static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array
 {
     const bool whole = holder == CML_OF_TALLY || holder == CML_OF_RESULT;
     switch (info->spread) {
-    case CML_KEPT_ONCE: return is_by_group(grid, info) ? CML_NUM_GROUPS : 2;
+    case CML_KEPT_ONCE: return is_by_group(grid, info) ? CML_NUM_GROUPS : 2; /* 2: sums and squares */
     case CML_KEPT_BY_GROUP: return whole && is_by_group(grid, info) ? CML_NUM_GROUPS : 1;
     case CML_KEPT_BY_BATCH: return holder == CML_OF_RESULT ? CML_NUM_BATCHES : 1;
     case CML_KEPT_AS_BATCHES: return CML_NUM_BATCHES;

@@ -32,7 +32,7 @@ LOW = [(*t[:8], 0.15) for t in ROOF]
 
 @dataclass
 class Body:
-    line: str  # x y z r, n mua mus g
+    line: str  # a sphere as in an .mci file: centre x y z and radius [cm], then n mua mus g
     rough: str = ""
     around: int = 1  # number of the layer around the body
     inside: int = 0  # number of the body around it, from 1

@@ -254,8 +254,8 @@ static uint64_t most_photons(const struct cml_options *options, const struct cml
     return (options->photons ? options->photons : scene->photons) + options->more;
 }
 
-/* Estimates the memory of a run. Memory that reading needs for a while is free again before the flight, and
- * the engine's before results are written. */
+/* Estimates the largest memory that a run needs at one time. Reading, the flight and the writing of results
+ * follow each other, and each frees its memory before the next begins. */
 static struct memory memory_of(const struct cml_options *options, const struct cml_scene *scene,
                                const struct cml_surface_set *surfaces)
 {

@@ -44,8 +44,8 @@ enum {
 /* Seconds of an option, above 0: zero would mean "always" for one option and "never" for another. */
 #define SECONDS(name) MEMBER(name), .least = ABOVE_0, .most = 1e9, .words = "seconds above 0, up to 1e9"
 
-/* The largest number of photons is that of a result, 2^48; a seed up to 2^53 stays exact as a number in JSON
- * and HDF5. */
+/* All options. A run has at most 2^48 photons, because its sums could overflow beyond. A seed is at most
+ * 2^53, because JSON keeps larger numbers only as rounded doubles. */
 const struct cml_option cml_option_table[] = {
     {"photons", 0, "N", RUN | PLAN | CROSSCHECK | FURNACE, NULL,
      "instead of the file's number; 1e7 reads as ten million; of plan: of the longest pilot",

@@ -95,9 +95,9 @@ struct cml_bundle {
     real s[CML_LANES];    /* distance to the next interaction, cm, if no boundary comes first */
     real path[CML_LANES]; /* optical path, as in cml_packet; loops count it only if time is wanted */
     real mark[CML_LANES]; /* distance to the next mark, as in cml_packet; used if fluence is wanted */
-    /* Part of the packet's trail, as in cml_packet; used if there are detectors (P13) */
+    /* The visit of the medium under way, as in cml_packet; used if there are detectors (P13) */
     real here[CML_LANES], low[CML_LANES], deepest[CML_LANES], momentum[CML_LANES];
-    /* Part of the packet's trail, as in cml_packet; used if there are detectors (P13) */
+    /* Interactions before that visit, as in cml_packet */
     cml_u32 before[CML_LANES];
     /* Spent branches, as in cml_packet; used if there are windows (P19) */
     cml_u32 spent[CML_LANES];

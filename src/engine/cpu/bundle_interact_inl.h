@@ -178,8 +178,8 @@ CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundl
     return low;
 }
 
-/* Moves lanes to their interactions, absorbs and scatters them; no absorption is tallied. The balance is kept
- * from the weights (cml_flush_deposits). */
+/* Moves lanes to their interactions, absorbs and scatters them, without adding to arrays of absorption.
+ * cml_flush_deposits finds the absorbed total from the loss of weight. */
 CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_move_and_absorb(setup, b, 0, 0);

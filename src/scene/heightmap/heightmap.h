@@ -64,7 +64,8 @@ CML_NODISCARD cml_status cml_heightmap_allocate(const char *path, double nx, dou
 void cml_heightmap_clear(struct cml_heightmap *map);
 
 /* Refuses heights that are not finite: "PATH: 3 of 100 heights are missing, the first in row 2, column 7
- * ...". Rows are counted from the top row of the file, where `h` begins at this point. */
+ * ...". Rows are counted from the top row of the file. To be called while `h` still
+ * begins with that row. */
 CML_NODISCARD cml_status cml_heightmap_check(const char *path, const struct cml_heightmap *map,
                                              struct cml_error *err);
 

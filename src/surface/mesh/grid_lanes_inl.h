@@ -250,11 +250,13 @@ static void cml_grid_lanes_intersect(const struct cml_grid_view *view, int first
     }
 }
 
-/* Makes rays undecided again that may have met the mesh before the place found. Let a ray arrive at a place
- * of horizon h and be steeper than h by `excess`. Then its beginning lies above every facet by at least its
- * length times the excess, plus its length times the share by which horizons were raised. This height must
- * exceed 2 err_query (1 + h), because across a facet as steep as the horizon err_query is at most 1 + h times
- * as large in depth. */
+/* Asks for the exact query again, unless the crossing that was found is surely a ray's first one.
+ *
+ * A ray of length `way` arrives at a place with the horizon h: no facet rises more steeply than h towards the
+ * place. excess = |uz| - h uxy says by how much the ray is steeper. So the start of the ray lies above all
+ * facets by at least way (excess + CML_HORIZON_RAISED uxy), as horizons are stored a little too high. That
+ * height must exceed the errors of two queries in depth, 2 err (1 + h): across a facet of slope h an error
+ * err of a place is an error of depth of at most err (1 + h). */
 CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
 {
     const struct cml_depth_bounds map = *view->depths;

@@ -297,7 +297,8 @@ static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *er
     return CML_OK;
 }
 
-/* Makes the lists. Sets *pays if lists are short and hardly any facet is too thin. */
+/* Makes the lists of facets of each cell. Sets *pays if lists are short in the mean (longest_list) and hardly
+ * any facet is too thin; else leaves it, and the lists may be incomplete. */
 static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
 {
     size_t thin = 0;

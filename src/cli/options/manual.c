@@ -12,6 +12,17 @@ static const char *next_line(const char *line)
     return line + (*line == '\n');
 }
 
+/* Returns the next line that is not a picture, nor the blank line behind one. */
+static const char *next_text(const char *line)
+{
+    line = next_line(line);
+    while (strncmp(line, "![", 2) == 0) {
+        line = next_line(line);
+        line += *line == '\n';
+    }
+    return line;
+}
+
 static void print_line(FILE *stream, const char *line)
 {
     fprintf(stream, "%.*s\n", (int)strcspn(line, "\n"), line);
@@ -52,8 +63,8 @@ static const char *print_section(FILE *stream, const char *line)
     bool fenced = false;
     const size_t level = heading_level(line, &fenced);
     do {
-        if (strncmp(line, "![", 2) != 0) print_line(stream, line);
-        line = next_line(line);
+        print_line(stream, line);
+        line = next_text(line);
         const size_t next = heading_level(line, &fenced);
         if (next > 0 && next <= level) break;
     } while (*line);
@@ -142,10 +153,10 @@ static void print_target(FILE *stream, const char *target)
     const char *anchor = memchr(target, '#', end);
     bool fenced = false;
     if (!page) return;
-    for (const char *line = page->text; *line; line = next_line(line)) {
+    for (const char *line = page->text; *line; line = next_text(line)) {
         const size_t level = heading_level(line, &fenced);
         if (!anchor && level > 1) return;
-        if (!anchor && strncmp(line, "![", 2) != 0) print_line(stream, line);
+        if (!anchor) print_line(stream, line);
         if (anchor && level > 0 && has_id(line, anchor + 1, (size_t)(target + end - anchor - 1))) {
             print_section(stream, line);
             return;

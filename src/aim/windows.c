@@ -63,7 +63,7 @@ static cml_status fill_windows(const char *aim, const struct cml_scene *scene,
 {
     char expected[80];
     windows->worth = worth_of_light(scene, media, windows, importance);
-    snprintf(expected, sizeof expected, "%g of the light or more that gets there, not %.1g", LEAST_WORTH,
+    snprintf(expected, sizeof expected, "an aim that at least %g of the light reaches, not %.1g", LEAST_WORTH,
              windows->worth);
     if (!(windows->worth > LEAST_WORTH && windows->worth < INFINITY))
         return cml_aim_refuse(scene, aim, (int)strlen(aim), expected, err);

@@ -54,10 +54,14 @@ static cml_status open_locked(const char *path, int *file, struct cml_error *err
         *file = open(path, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
         if (*file < 0) return refuse(path, -1, strerror(errno), err);
         if (fstat(*file, &about) != 0 || !S_ISREG(about.st_mode) || about.st_size > 0)
-            return refuse(path, *file, "is no lock (expected no such file, or an empty one)", err);
+            return refuse(path, *file,
+                          "is no lock of this program (expected an empty file or none; move this file away)",
+                          err);
         const int reason = lock_file(*file);
         if (reason == EAGAIN)
-            return refuse(path, *file, "locked by another process (expected a name that no other one writes)",
+            return refuse(path, *file,
+                          "locked by another process, which writes the same files (expected another name or "
+                          "folder, or that process to end first)",
                           err);
         if (reason == 0 && still_stands(*file, path)) return CML_OK;
         close(*file);

@@ -106,9 +106,10 @@ static cml_status fit_periods(const struct cml_scene *scene, int axis, double le
                    is_whole(*size / cml_tile_period(&scene->boundaries[b].tile, axis));
         if (fits) return CML_OK;
     }
-    return cml_fail(err, CML_E_INPUT,
-                    "%s: tiles of %s have no common period (expected one of at most %d of the first)",
-                    scene->output, axis ? "y" : "x", MOST_PERIODS);
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s: the tiles have no common period along %s (expected one of at most %d periods of the first tile)",
+        scene->output, axis ? "y" : "x", MOST_PERIODS);
 }
 
 /* Chooses the area of the beams: whole periods of tiles; else an area around all shapes that is so large that

@@ -58,7 +58,7 @@ static cml_status check_scene(const char *scene, const char *flown, struct cml_e
     if (!scene) return CML_OK;
     slash = strrchr(scene, '/');
     if (strcmp(slash ? slash + 1 : scene, theirs) == 0) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "merge: %s (expected a file named %s, of which the parts are)", scene,
+    return cml_fail(err, CML_E_INPUT, "merge: %s (expected the scene file of the parts, named %s)", scene,
                     theirs);
 }
 
@@ -72,7 +72,8 @@ static cml_status join(const struct cml_options *options, const char *scene, str
     CML_TRY(split(files->file[0].call, &word, &count, err));
     const cml_status status = cml_options_parse(count, word, &call, err);
     if (status != CML_OK || call.which != CML_COMMAND_RUN)
-        return cml_fail(err, CML_E_INPUT, "%s: is not of a call of run (expected a part of this program's)",
+        return cml_fail(err, CML_E_INPUT,
+                        "%s: the options in the part are unknown (expected a part that this version wrote)",
                         files->file[0].path);
     CML_TRY(check_scene(scene, call.operands[0], err));
     mine.joined = files;

@@ -153,7 +153,8 @@ static cml_status check_part(const struct cml_options *options, struct cml_error
     if (beside) return cml_fail(err, CML_E_INPUT, "--part (expected no %s beside it)", beside);
     if (!options->call[0])
         return cml_fail(err, CML_E_INPUT,
-                        "--part (expected a command line of at most %zu bytes, in one line)",
+                        "--part: the command line is too long or has a line break (expected at most %zu "
+                        "bytes in one line)",
                         sizeof options->call - 1);
     return CML_OK;
 }

@@ -16,19 +16,21 @@
 
 /* The program that Python runs, in syntax of any version. Modules are imported only when needed, so any
  * import may fail later. The current folder is taken off the path: its modules must not replace libraries. */
-static const char start[] = "import sys\n"
-                            "if sys.path[0] == '': del sys.path[0]\n"
-                            "def lacks(what):\n"
-                            "    sys.stderr.write('clustermcml: %s: %s %s (expected it: " CURE ")\\n'\n"
-                            "                     % (sys.argv[1], sys.executable, what))\n"
-                            "    sys.exit(5)\n"
-                            "if sys.version_info < (3, 9): lacks('is older than Python 3.9')\n"
-                            "try:\n"
-                            "    from clustermcml.__main__ import main\n"
-                            "    code = main()\n"
-                            "except ImportError as error:\n"
-                            "    lacks('has no module %s' % (error.name or error))\n"
-                            "sys.exit(code)\n";
+static const char start[] =
+    "import sys\n"
+    "if sys.path[0] == '': del sys.path[0]\n"
+    "def lacks(what):\n"
+    "    sys.stderr.write('clustermcml: %s: %s %s (expected Python 3.9 or later with packages: " CURE
+    ")\\n'\n"
+    "                     % (sys.argv[1], sys.executable, what))\n"
+    "    sys.exit(5)\n"
+    "if sys.version_info < (3, 9): lacks('is older than Python 3.9')\n"
+    "try:\n"
+    "    from clustermcml.__main__ import main\n"
+    "    code = main()\n"
+    "except ImportError as error:\n"
+    "    lacks('has no module %s' % (error.name or error))\n"
+    "sys.exit(code)\n";
 
 /* Finds the package, relative to the folder of the program: in a build tree, an install tree or a wheel. */
 static bool find_package(const char *folder, char path[PATH_MAX])
@@ -72,8 +74,10 @@ cml_status cml_hand_over(int argc, char **argv, struct cml_error *err)
     cml_status status = set_environment(err);
     if (status == CML_OK) {
         execvp(python, words);
-        status = cml_fail(err, CML_E_IO, "%s: %s cannot be started (%s; expected it: " CURE ")", argv[1],
-                          python, strerror(errno));
+        status =
+            cml_fail(err, CML_E_IO,
+                     "%s: %s cannot be started (%s; expected Python 3.9 or later with packages: " CURE ")",
+                     argv[1], python, strerror(errno));
     }
     free(words);
     return status;

@@ -308,8 +308,8 @@ static cml_status place_far(const struct cml_scene *scene, const struct cml_beam
     if (step <= surfaces->origin.all * (double)FLT_EPSILON) return CML_OK;
     snprintf(value, sizeof value, "%g", beam->z);
     snprintf(expected, sizeof expected,
-             "a place whose axis meets the scene at a place known to %.2g cm; double precision tells it to "
-             "%.2g cm",
+             "a nearer source: its axis must meet the scene at a place known to %.2g cm, which double "
+             "precision knows to %.2g cm",
              surfaces->origin.all * (double)FLT_EPSILON, step);
     return cml_fail_field(err, scene->file, beam->line, "beam: z", value, expected);
 }

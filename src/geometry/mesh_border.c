@@ -334,8 +334,8 @@ static cml_status check_volumes(const struct cml_mesh_work *work, const struct p
         char place[112];
         if (fabs(parts[k].volume) > err_volume) continue;
         return cml_mesh_fail(work, cml_mesh_triangle_line(work, work->mesh->part_start[k]), err,
-                             "the body has no volume from %s on: %.3g cm3, of which rounding may be %.3g "
-                             "(expected a closed surface around one)",
+                             "the body has no volume at %s: %.3g cm3, with a rounding error of up to %.3g "
+                             "(expected a closed surface around a volume)",
                              cml_mesh_place(start_of(work->mesh, k), place), fabs(parts[k].volume) / 6,
                              err_volume / 6);
     }

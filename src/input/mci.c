@@ -215,7 +215,7 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const struct 
     if (cells <= MAX_CELLS) return CML_OK;
     char value[80], expected[120];
     snprintf(value, sizeof value, "%.0f %.0f %.0f", nz, nr, na);
-    snprintf(expected, sizeof expected, "at most 2^31 cells in all arrays together; these are %.3g, %.3g GiB",
+    snprintf(expected, sizeof expected, "at most 2^31 cells in all arrays together, not %.3g (%.3g GiB)",
              cells, cells * 8 / 1073741824.0);
     return cml_mci_fail(reader, "nz nr na", value, expected);
 }

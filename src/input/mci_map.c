@@ -82,8 +82,7 @@ cml_status cml_mci_check_map(const struct cml_mci_reader *reader, const struct c
     if (cells <= most) return CML_OK;
     char value[64], expected[120];
     snprintf(value, sizeof value, "%d %d", map->nx, map->ny);
-    snprintf(expected, sizeof expected,
-             "at most 2^31 cells in maps and volume together; these are %.3g, %.3g GiB", cells,
-             cells * 24 / 1073741824.0);
+    snprintf(expected, sizeof expected, "at most 2^31 cells in maps and volume together, not %.3g (%.3g GiB)",
+             cells, cells * 24 / 1073741824.0);
     return cml_fail_field(reader->err, scene->file, map->line, "map: nx ny", value, expected);
 }

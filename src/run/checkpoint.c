@@ -215,9 +215,11 @@ static cml_status read_head(struct source *source, struct cml_error *err)
     if (!get(source, head, 1, sizeof *head) || memcmp(head->magic, magic, sizeof magic) != 0)
         return cml_fail(err, CML_E_INPUT, "%s: is no checkpoint", source->path);
     if (head->order != ORDER || head->version != VERSION)
-        return cml_fail(err, CML_E_INPUT,
-                        "%s: the checkpoint has another format or byte order (expected format %u)",
-                        source->path, VERSION);
+        return cml_fail(
+            err, CML_E_INPUT,
+            "%s: another version of clustermcml or another kind of machine wrote the checkpoint (expected "
+            "format %u; go on with that program, or begin anew without --resume or --more)",
+            source->path, VERSION);
     if (head->identity_size > source->left) return fail_damaged(source, "its identity", err);
     source->identity = calloc(head->identity_size + 1, 1);
     if (!source->identity) return cml_fail_memory(err, (double)head->identity_size, "a checkpoint");
@@ -519,7 +521,8 @@ static cml_status read_part(struct source *source, struct cml_record *record, st
     const struct head *head = &source->head;
     if (read_head(source, err) != CML_OK || head->part.count == 0 || !is_part(head->part) ||
         !is_round(head->begin, head->end))
-        return cml_fail(err, CML_E_INPUT, "%s: is no part of a run (expected one of run --part)",
+        return cml_fail(err, CML_E_INPUT,
+                        "%s: is no part of a run (expected a file that run --part of this version wrote)",
                         source->path);
     return read_record(source, record, err);
 }

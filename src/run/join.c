@@ -47,7 +47,9 @@ cml_status cml_part_files_looked(struct cml_part_files *files, cml_status status
     files->looking = false;
     for (int i = 0; status == CML_OK && i < files->count; i++)
         if (!files->file[i].joined)
-            return cml_fail(err, CML_E_INPUT, "%s: is of another run than %s (expected parts of one call)",
+            return cml_fail(err, CML_E_INPUT,
+                            "%s: is a part of another run than %s (expected parts of one scene file with the "
+                            "same options)",
                             files->file[i].path, files->file[0].path);
     return status;
 }
@@ -188,10 +190,11 @@ static cml_status check_finished(const struct cml_part_file *file, struct cml_ra
     cml_status status = cml_ranges_keep(open, turns_of(file), &others, err);
     cml_ranges_clear(&others);
     if (status == CML_OK && open->total > 0)
-        status =
-            cml_fail(err, CML_E_INPUT,
-                     "%s: has %" PRIu64 " photons to fly (expected a finished part; --resume continues it)",
-                     file->path, open->total);
+        status = cml_fail(
+            err, CML_E_INPUT,
+            "%s: %" PRIu64
+            " photons of the part have not flown yet (expected a finished part; --resume continues it)",
+            file->path, open->total);
     return status;
 }
 

@@ -252,8 +252,8 @@ static cml_status fail_given_up(const struct flight *flight, struct cml_error *e
 {
     if (!flight->setup->checkpoint) return fail_late(flight->setup, err);
     return cml_fail(err, CML_E_STOPPED,
-                    "%s: stopped, and gave up packets that would not end, with all that flew since the last "
-                    "checkpoint; --resume continues from that (%s), or begins anew without one",
+                    "%s: stopped; some packets would not end, so all that flew since the last checkpoint is "
+                    "lost; --resume continues from %s, or begins anew without that file",
                     flight->setup->scene->output, flight->setup->checkpoint);
 }
 
@@ -446,9 +446,9 @@ static cml_status restore(struct flight *flight, struct cml_error *err)
                         setup->checkpoint, (unsigned long long)flight->state.end,
                         (unsigned long long)setup->photons);
     if (found.kind == CML_CHECKPOINT_PARTIAL && !is_same_part(setup, &flight->state))
-        return cml_fail(err, CML_E_INPUT, "%s: is of another part of the run (expected part %llu of %llu)",
-                        setup->checkpoint, (unsigned long long)setup->part.number,
-                        (unsigned long long)setup->part.count);
+        return cml_fail(
+            err, CML_E_INPUT, "%s: is another part of the run (expected part %llu of %llu, or no --resume)",
+            setup->checkpoint, (unsigned long long)setup->part.number, (unsigned long long)setup->part.count);
     if (note.text[0] && setup->on_note) setup->on_note(setup->context, note.text);
     flight->out->intent = cml_run_intent_of(&found);
     flight->out->result.photons = flight->state.end;

@@ -104,11 +104,12 @@ static cml_status require_part(struct requirements *all, const struct part *part
     }
     for (int k = 0; k < 2; k++)
         away = fmax(away, fmax(all->range.low[k] - part->at[k], part->at[k] - all->range.high[k]));
+    /* 1.005: %.3g must not round below the least length */
     return cml_fail(err, CML_E_INPUT,
-                    "%s:%d: %s at (%g %g) cm: %s %g cm, expected at least %g cm: it lies %g cm further away "
-                    "than where single precision tells the rest of the scene, and has steps of %g cm there",
+                    "%s:%d: %s at (%g %g) cm: %s %g cm (expected at least %.3g cm, or a place %.3g cm nearer "
+                    "to the rest of the scene: single precision has steps of %.2g cm there)",
                     part->file, part->line, part->name, part->at[0], part->at[1], part->length_name,
-                    part->length, part->steps * (double)FLT_EPSILON * away, away, FLT_EPSILON * away);
+                    part->length, 1.005 * part->steps * (double)FLT_EPSILON * away, away, FLT_EPSILON * away);
 }
 
 /* Requires that single precision resolves the spacing of a tile's heights where each beam meets the tile.

@@ -88,10 +88,10 @@ cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end, s
     for (int k = 0; k < deal->count; k++)
         for (uint64_t batch = 0; batch < CML_NUM_BATCHES; batch++)
             if (of_beam(deal->before, k, batch) > of_beam(deal->after, k, batch))
-                return cml_fail(
-                    err, CML_E_INPUT,
-                    "%llu photons beside %llu (expected another number: of beam %d a batch would have fewer)",
-                    (unsigned long long)(end - begin), (unsigned long long)begin, k + 1);
+                return cml_fail(err, CML_E_INPUT,
+                                "%llu photons after %llu (expected another number: a batch would lose "
+                                "photons of beam %d)",
+                                (unsigned long long)(end - begin), (unsigned long long)begin, k + 1);
     return CML_OK;
 }
 

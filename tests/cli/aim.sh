@@ -67,7 +67,7 @@ expect_code 0 plan "$work/x.mci" --photons 2048
 grep -q ' Tt_expected *$' "$work/out" || complain "plan: $(cat "$work/out")"
 
 # Refusals of wrong aims and limits.
-some='1e-20 of the light or more that gets there, not 0'
+some='an aim that at least 1e-20 of the light reaches, not 0'
 grid='20000\n0.01 0.01\n20 20 3\n'
 scene "$layers"
 file=$work/x.mci:3
@@ -83,7 +83,7 @@ if "$program" devices 2>/dev/null | grep -q '^0'; then
 fi
 scene "1\n1.0\n1.4 1 60 0.8 0.3\nbacking 0.5\n"
 expect_error 2 "$file: --aim Tt (expected no backing)" "$work/x.mci" --aim Tt --quiet -o "$work/d"
-squares="no map, facets, directions, photons and maps of detectors beside what splits packets"
+squares="no line map, facets, directions, photons or detector map: this aim splits packets"
 for line in 'map 2 2 0.1 0.1' 'facets' 'directions 3 3' 'detector map 2 2 0.1 0.1' 'photons "p"'; do
     grid="20000\n0.01 0.01\n20 20 3\n$line\n"
     scene "$layers"
@@ -99,14 +99,14 @@ scene "1\n1.0\n1.4 100 60 0.8 30\n"
 expect_error 2 "$file: --aim Tt_r (expected $some)" "$work/x.mci" --aim Tt_r --quiet -o "$work/d"
 grid='20000\n0.01 0.01\n20 20 3\ndetector disk 0.2 name=Tt\n'
 scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
-expect_error 2 "$file: --aim Tt (expected another name of the detector: this is the light below)" "$work/x.mci" --aim Tt --quiet -o "$work/d"
+expect_error 2 "$file: --aim Tt (expected another name for the detector: Tt and Tt_r mean light that leaves below)" "$work/x.mci" --aim Tt --quiet -o "$work/d"
 scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
 expect_error 2 "$file: --aim A_l:1 (expected Tt: there is one layer)" "$work/x.mci" --aim A_l:1 --quiet -o "$work/d"
 
 # A quantity below 1e-20 of the light, too small for its sum, is refused as an aim; beside another aim it is printed as 0.
 grid='20000\n0.01 0.01\n20 20 3\n'
 scene "2\n1.0\n1.4 1 60 0.8 0.3\n1.4 1 100 0.9 12\n1.0\n"
-least="expected 1e-20 of the light or more that gets there, not less"
+least="expected an aim that at least 1e-20 of the light reaches"
 expect_error 2 "$file: --aim Tt ($least)" "$work/x.mci" --aim A_l:2,Tt --quiet -o "$work/d"
 expect_code 0 "$work/x.mci" --photons 1000 --aim A_l:2 -o "$work/d"
 grep -qx '  Tt   0 +- 0 expected' "$work/out" || complain "Tt of 1e-30: $(grep Tt "$work/out")"
@@ -240,7 +240,7 @@ grep -q "of another run: 'no error_of' there, 'error_of A_l:2' here" "$work/err"
 for name in none A_l:3; do
     expect_error 2 "$file: --error-of $name (expected A_l:N of layer 1 to 2, or the name of a detector)" "$work/x.mci" --target-error 0.1 --error-of $name --quiet -o "$work/d"
 done
-only="expected one detector, and beside it only what flat layers below all shapes give"
+only="expected one detector, and beside it only Tt and A_l:N of flat layers below all shapes"
 for aim in far,near near,Tt_r A_l:2,near; do
     expect_error 2 "$file: --aim $aim ($only)" "$work/x.mci" --aim $aim --quiet -o "$work/d"
 done

@@ -115,7 +115,7 @@ OVERLAPS = [(SHELL, octahedron(0.25, 0.07)), (SHELL, sphere(0.25, 0.054)), (TWO,
 ALONE = [(None, parts("touching", 0.1), "scene.mci:{}: body 1: touching.obj:22: the mesh touches itself at the vertex (0.1, 0, height -0.25) cm "),
          (None, parts("crossing", 0.1), "scene.mci:{}: body 1 meets itself at ("),
          (PYRAMID, parts("far", 0.005, 0.05, -0.04), "scene.mci:{}: body 1 lies beyond boundary 0 at ("),
-         (None, parts("small", 0.1), "scene.mci:{}: body 1: half a width of a part 1e-09 cm, expected at least ")]
+         (None, parts("small", 0.1), "scene.mci:{}: body 1: half a width of a part = 1e-09 cm (expected at least ")]
 
 
 def check(surface, number, *bodies):
@@ -144,8 +144,8 @@ def too_small(verdict):
         code, said, line = check(None, 0, other, body(32.03 * step))
         verdict.check(f"{what} fits", code == 0, f"{code}: {said}")
         code, said, line = check(None, 0, other, body(31.97 * step))
-        begin = f"clustermcml: scene.mci:{line + 1}: body 2: {what} 1.905"
-        why = " from where x and y count or the top of the layer, and smaller bodies than 32 steps are not proven"
+        begin = f"clustermcml: scene.mci:{line + 1}: body 2: {what} = 1.905"
+        why = " cm away from the origin of the scene or the top of the layer)"
         verdict.check(f"{what} too small", code == 2 and said.startswith(begin) and said.endswith(why) and "\n" not in said, f"{code}: {said}")
 
 

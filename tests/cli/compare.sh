@@ -127,7 +127,7 @@ for seed in 1 5; do # transmitted, reflected
     expect_code 0 "$work/one.mci" --seed $seed --quiet -o "$work/$seed"
 done
 a=$work/1/one.mco b=$work/5/one.mco
-expect_error 2 "compare: $a and $b: 1 and 1 packets (expected enough to compare anything)" compare "$a" "$b"
+expect_error 2 "compare: $a and $b: 1 and 1 packets (expected more packets: no number has enough to be compared)" compare "$a" "$b"
 
 # Numbers that no run writes are refused, because no z can tell them apart.
 expect_code 0 samples/thick.mci --photons 1000 --quiet -o "$work"

@@ -86,7 +86,7 @@ wait $run || code=$?
 test $code -eq 75 || complain "a part was not stopped: exit $code"
 "$program" "$scene" --photons 1e6 --part 2/2 --quiet || complain "part 2/2"
 left=$("$program" merge thick.mco.part* 2>&1 >/dev/null)
-case $left in "clustermcml: thick.mco.part1of2: has "*" photons to fly (expected a finished part; --resume continues it)") ;; *) complain "an open part: $left" ;; esac
+case $left in "clustermcml: thick.mco.part1of2: "*" photons of the part have not flown yet (expected a finished part; --resume continues it)") ;; *) complain "an open part: $left" ;; esac
 "$program" "$scene" --photons 1e6 --part 1/2 --resume --quiet || complain "--resume of a part"
 before=$(sha256sum thick.mco.part1of2)
 "$program" "$scene" --photons 1e6 --part 1/2 --resume >../out || complain "--resume of a finished part"
@@ -120,10 +120,10 @@ refuses "other/thick.mco.part2of3: the checkpoint is of another run: 'seed 2' th
 refuses "none: cannot be read (No such file or directory)" thick.mco.part?of3 none
 head -c 9000 thick.mco.part2of3 >cut
 refuses "cut: the checkpoint is damaged (checksum), and there is no older one" thick.mco.part1of3 cut thick.mco.part3of3
-refuses "rows.csv: is no part of a run (expected one of run --part)" rows.csv
+refuses "rows.csv: is no part of a run (expected a file that run --part of this version wrote)" rows.csv
 refuses "merge: no parts (expected those of a run, NAME.partKofN)" thick.mci
 expect_code 0 thick.mci --photons 1000 --keep --quiet -o other
-refuses "other/thick.mco.checkpoint: is no part of a run (expected one of run --part)" other/thick.mco.checkpoint
+refuses "other/thick.mco.checkpoint: is no part of a run (expected a file that run --part of this version wrote)" other/thick.mco.checkpoint
 sed 's/^1.0 /1.0  /' thick.mci >changed
 cmp -s thick.mci changed && complain "nothing was changed"
 mv thick.mci away
@@ -138,31 +138,31 @@ refuses "thick.mco.part1of3: the checkpoint is of another run: the file thick.mc
     thick.mco.part?of3
 mkdir moved && mv away moved/thick.mci
 cp moved/thick.mci renamed.mci
-refuses "merge: renamed.mci (expected a file named thick.mci, of which the parts are)" renamed.mci thick.mco.part?of3
+refuses "merge: renamed.mci (expected the scene file of the parts, named thick.mci)" renamed.mci thick.mco.part?of3
 expect_code 0 merge moved/thick.mci thick.mco.part?of3 -o moved --quiet
 expect_code 0 moved/thick.mci --photons 1000 --quiet -o one
 test "$(bare one/thick.mco | sha256sum)" = "$(bare moved/thick.mco | sha256sum)" || complain "a scene that was moved: other bytes"
-expect_error 2 "--no-clobber: $work/moved/thick.mco is there (expected no result that would be replaced)" merge moved/thick.mci thick.mco.part?of3 -o moved --no-clobber
+expect_error 2 "--no-clobber: $work/moved/thick.mco exists (expected another name or folder, or no --no-clobber)" merge moved/thick.mci thick.mco.part?of3 -o moved --no-clobber
 cp moved/thick.mci .
-expect_error 2 "--no-clobber: thick.mco.part1of3 is there (expected no result that would be replaced)" thick.mci --photons 1000 --part 1/3 --no-clobber --quiet
+expect_error 2 "--no-clobber: thick.mco.part1of3 exists (expected another name or folder, or no --no-clobber)" thick.mci --photons 1000 --part 1/3 --no-clobber --quiet
 expect_code 0 thick.mci --photons 1000 --part 1/3
 grep -q "note: thick.mco.part1of3 is there; without --resume this part begins anew$" err || complain "no word of a part that is there: $(cat err)"
 cp thick.mco.part1of3 thick.mco.part2of3
-expect_error 2 "thick.mco.part2of3: is of another part of the run (expected part 2 of 3)" thick.mci --photons 1000 --part 2/3 --resume --quiet
+expect_error 2 "thick.mco.part2of3: is another part of the run (expected part 2 of 3, or no --resume)" thick.mci --photons 1000 --part 2/3 --resume --quiet
 for wrong in 0/3 4/3 1 1/ /3 1/2/3 1/5000 -1/2 a/b; do
     expect_error 2 "--part $wrong (expected K/N, part K of N, with 1 <= K <= N <= 4096)" thick.mci --part $wrong
 done
 expect_error 2 "--part (expected no --target-error beside it)" thick.mci --part 1/2 --target-error 0.1
 expect_error 2 "--part (expected no --json beside it)" thick.mci --part 1/2 --json
 expect_error 2 "--part: /dev/null is no file (expected a result in a file)" thick.mci --part 1/2 --output /dev/null --quiet
-expect_error 2 "--part (expected a command line of at most 4095 bytes, in one line)" thick.mci --part 1/2 --set "layer1.mua=1
+expect_error 2 "--part: the command line is too long or has a line break (expected at most 4095 bytes in one line)" thick.mci --part 1/2 --set "layer1.mua=1
 "
 
 # Each of several runs in one file is complete or named.
 for k in 1 2; do expect_code 0 "$root/samples/two_runs.mci" --photons 100 --part $k/2 --quiet; done
 expect_code 2 merge two_runs_flat.mco.part*
 grep -q '^clustermcml: two_runs_hill.mco: no part of it (expected all its parts)$' err || complain "half of the runs: $(cat err)"
-expect_error 2 "thick.mco.part1of2: is of another run than two_runs_flat.mco.part1of2 (expected parts of one call)" \
+expect_error 2 "thick.mco.part1of2: is a part of another run than two_runs_flat.mco.part1of2 (expected parts of one scene file with the same options)" \
     merge --quiet two_runs*.part?of2 thick.mco.part1of2 -o new
 test "$(echo two_runs*.mco new)" = "two_runs*.mco new" && test ! -e new || complain "refused parts of two runs: wrote $(ls -d two_runs*.mco new)"
 for k in 1 2; do expect_code 0 "$root/samples/thick.mci" --sweep rows.csv --photons 100 --part $k/2 --quiet -o rows; done

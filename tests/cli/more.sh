@@ -89,7 +89,7 @@ expect_code 0 samples/thick.mci --more 5 --no-clobber --keep --quiet -o "$work/m
 grep -q '^105 ' "$work/mine/thick.mco" || complain "--more --no-clobber did nothing"
 expect_code 0 samples/thick.mci --more 5 --no-clobber --resume --keep --quiet -o "$work/mine"
 cp "$work/theirs/thick.mco" "$work/mine"
-expect_error 2 "--no-clobber: $work/mine/thick.mco is there, but of that run $work/mine/thick.mco is of another run (expected all its files, or none that would be replaced)" \
+expect_error 2 "--no-clobber: $work/mine/thick.mco exists, but $work/mine/thick.mco is of another run (expected all files of the run, or none of them)" \
     samples/thick.mci --more 5 --no-clobber --resume --quiet -o "$work/mine"
 
 # --no-clobber also lets a stopped extension replace its own result.
@@ -165,7 +165,7 @@ for path in "$work"/many/*; do
     name=$(basename "$path")
     case $name in many.mco | *.checkpoint) continue ;; esac
     mv "$path" "$work/taken"
-    refused="--no-clobber: $work/many/many.mco is there, but of that run $path is gone (expected all its files, or none that would be replaced)"
+    refused="--no-clobber: $work/many/many.mco exists, but $path is gone (expected all files of the run, or none of them)"
     expect_error 2 "$refused" "$work/many.mci" --resume --no-clobber --quiet -o "$work/many"
     expect_code 0 "$work/many.mci" --resume --quiet -o "$work/many"
     grep -q "its result $name is gone: it is written again" "$work/err" || complain "no word of $name: $(cat "$work/err")"
@@ -226,7 +226,7 @@ done
 mkdir "$work/tallies"
 expect_code 0 samples/thick.mci --photons 100 --keep --quiet -o "$work/tallies"
 rm "$work/tallies/thick.mco"
-expect_error 2 "--no-clobber: $work/tallies/thick.mco.checkpoint is there, of a finished run with its tallies (expected --more or --resume, or none)" \
+expect_error 2 "--no-clobber: $work/tallies/thick.mco.checkpoint is that of a finished run with its tallies (expected --more, which extends it, --resume, or no such file)" \
     samples/thick.mci --photons 50 --no-clobber --quiet -o "$work/tallies"
 expect_code 0 samples/thick.mci --photons 50 -o "$work/tallies"
 grep -q "begins anew, and its tallies go$" "$work/err" || complain "no word of tallies that go: $(cat "$work/err")"
@@ -237,7 +237,7 @@ grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume i
 
 # A run that replaces a result notes the result and its photons; with --no-clobber it is refused, and the result stays.
 grep -q "note: replaces $work/thick.mco of 100 photons$" "$work/err" || complain "no word of the result replaced: $(cat "$work/err")"
-kept="--no-clobber: $work/thick.mco is there (expected no result that would be replaced)"
+kept="--no-clobber: $work/thick.mco exists (expected another name or folder, or no --no-clobber)"
 expect_code 0 samples/thick.mci --photons 200 --resume -o "$work"
 test ! -s "$work/err" && grep -q '^  finished before: nothing was written, its results stand$' "$work/out" || complain "a result of this run, --resume: $(cat "$work/err")"
 expect_code 0 samples/thick.mci --photons 300 --resume -o "$work"
@@ -262,7 +262,7 @@ if "$program" --version | grep -q 'HDF5 yes'; then
     for name in saved.photons.h5 thick.h5 thick.map.vti; do
         mkdir "$work/$name.d"
         echo precious >"$work/$name.d/$name"
-        expect_error 2 "--no-clobber: $work/$name.d/$name is there (expected no result that would be replaced)" "$work/saved.mci" --photons 200 --no-clobber -o "$work/$name.d"
+        expect_error 2 "--no-clobber: $work/$name.d/$name exists (expected another name or folder, or no --no-clobber)" "$work/saved.mci" --photons 200 --no-clobber -o "$work/$name.d"
         test "$(cat "$work/$name.d/$name")" = precious || complain "$name was replaced"
     done
     expect_code 0 "$work/saved.mci" --photons 200 -o "$work/saved.photons.h5.d"

@@ -155,7 +155,7 @@ scene long.mco >c.mci
 "$program" c.mci --photons 3e6 --threads 1 --quiet &
 first=$!
 until test -e long.lock || ! kill -0 $first 2>/dev/null; do sleep 0.02; done
-expect_error 5 "$PWD/long.lock: locked by another process (expected a name that no other one writes)" c.mci
+expect_error 5 "$PWD/long.lock: locked by another process, which writes the same files (expected another name or folder, or that process to end first)" c.mci
 wait $first || complain "the first writer failed"
 test "$(grep -c '^RAT' long.mco)" -eq 1 || complain "the first writer's result is not complete"
 test ! -e long.lock || complain "the lock is left"
@@ -172,7 +172,7 @@ rm other.mco.1-0.tmp
 : >long.lock
 expect_code 0 c.mci --quiet
 echo precious >long.lock
-expect_error 5 "$PWD/long.lock: is no lock (expected no such file, or an empty one)" c.mci
+expect_error 5 "$PWD/long.lock: is no lock of this program (expected an empty file or none; move this file away)" c.mci
 rm long.lock
 
 # Many rounds of two writers: the file is always one of the two results, whole.

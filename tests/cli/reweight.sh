@@ -91,7 +91,7 @@ done
 
 # The sum of A_z of a row near the limit comes from few samples; beyond the limit there are none.
 for mua in 60000:"note: A_z of 1 of 2 rows comes of fewer than 100 effective packets, that of row 2 of " \
-    70000:"note: no A_z and A_rz of rows: in medium 1 one absorbs more than 1250 times what scatters there, or where nothing does what the palest absorbs"; do
+    70000:"note: rows have no A_z and A_rz: in medium 1 a row has mua above 1250 times mus (or, where mus = 0, times the mua of the palest row)"; do
     printf 'layer1.mua\n0.5\n%s\n' "${mua%%:*}" >"$work/dark.csv"
     expect_code 0 "$work/two.mci" --sweep "$work/dark.csv" --reweight -o "$work/three" --quiet
     grep -qF "${mua#*:}" "$work/err" || complain "dark row: $(cat "$work/err")"
@@ -101,7 +101,7 @@ done
 awk 'FNR == 5 { for (i = 0; i < 100; i++) print "detector disk 0.1" } { print } /^1.37/ { for (i = 0; i < 1000; i++)
     print "i sphere", i % 25 * 0.01, int(i / 25) * 0.01, 0.025, 0.004, 1.37, 1, 50, 0.8 }' "$work/two.mci" | sed 's/^20000$/10/' >"$work/many.mci"
 expect_code 0 "$work/many.mci" --sweep "$work/seen.csv" --reweight -o "$work/three" --quiet --ignore-absorption
-grep -qF "note: no means of detectors of rows: 2 of 100 detectors and 1004 media take 5.14e+07" "$work/err" || complain "means: $(cat "$work/err")"
+grep -qF "note: rows have no means of detectors: 2 rows of 100 detectors and 1004 media take 5.14e+07" "$work/err" || complain "means: $(cat "$work/err")"
 
 # --json prints one object per row, in the order of the table.
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/three" --json
@@ -155,7 +155,7 @@ for option in --keep "--more 5" "--target-error 0.1" "--aim Tt" "--engine opencl
 done
 for line in fluence:fluence "map 5 5 0.1 0.1:a map" "detector map 5 5 0.1 0.1:a detector map"; do
     sed "4a ${line%%:*}" "$work/two.mci" >"$work/more.mci"
-    expect_error 2 "--reweight: two.mco has ${line#*:}, of which each row would need one (expected totals, profiles over r and angle, times, directions, detectors but maps, and what layers and bodies absorb)" \
+    expect_error 2 "--reweight: two.mco has ${line#*:}, which rows cannot share (expected totals, profiles over r and angle, times, directions, detectors that are no maps, and absorption of layers and bodies)" \
         "$work/more.mci" --sweep "$work/t.csv" --reweight
 done
 finish

@@ -26,7 +26,7 @@ for signal in TERM HUP USR1 USR2 XCPU; do
         "$work/err" || complain "SIG$signal: $(cat "$work/err")"
     test "$(echo "$work"/thick*)" = "$work/thick.mco.checkpoint" || complain "SIG$signal: $(ls "$work")"
 done
-expect_error 2 "--no-clobber: $work/thick.mco.checkpoint is there, of a run that was stopped (expected --resume, which goes on, or none)" \
+expect_error 2 "--no-clobber: $work/thick.mco.checkpoint is that of a stopped run (expected --resume, which continues it, or no such file)" \
     $scene --photons 1000 --no-clobber --quiet -o "$work"
 # A shell's background jobs ignore SIGINT, and an ignored signal stays ignored, so another parent starts the program.
 python3 - "$program" "$work" <<'E2' || complain "SIGINT"
@@ -78,8 +78,8 @@ kill -TERM $run
 code=0
 wait $run || code=$?
 test $code -eq 75 || complain "a long-lived packet: exit $code"
-test "$(cat "$work/err")" = "clustermcml: long.mco: stopped, and gave up packets that would not end, with all that flew since the last \
-checkpoint; --resume continues from that ($work/long.mco.checkpoint), or begins anew without one" ||
+test "$(cat "$work/err")" = "clustermcml: long.mco: stopped; some packets would not end, so all that flew since the last \
+checkpoint is lost; --resume continues from $work/long.mco.checkpoint, or begins anew without that file" ||
     complain "a long-lived packet: $(cat "$work/err")"
 test ! -e "$work/long.mco" || complain "a long-lived packet: a result of a stopped run"
 expect_code 0 "$work/long.mci" --resume --quiet -o "$work"

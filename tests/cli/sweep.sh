@@ -212,7 +212,7 @@ expect_code 0 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet --
 expect_code 2 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet --no-clobber -o "$work/done"
 rm "$work/done"/*.checkpoint
 expect_code 2 "$work/saved.mci" --sweep "$work/one.csv" --photons 300 --quiet --resume --no-clobber -o "$work/done"
-grep -q '^clustermcml: --no-clobber: .* is there (expected no result that would be replaced)$' "$work/err" || complain "rows without checkpoints: $(cat "$work/err")"
+grep -q '^clustermcml: --no-clobber: .* exists (expected another name or folder, or no --no-clobber)$' "$work/err" || complain "rows without checkpoints: $(cat "$work/err")"
 test -f "$work/saved/exits-0001.photons.h5" && test ! -f "$work/saved/exits.photons.h5" || complain "saved: $(ls "$work/saved")"
 expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (expected a file)" "$work/ridges.mci" --sweep "$work/missing.csv"
 # A file that is too large is refused before it is read: a table of a sweep, or a file that the scene names.

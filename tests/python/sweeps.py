@@ -114,7 +114,7 @@ class Tables(unittest.TestCase):
         for parameters, more, text in (
                 ({"layer1.mua": [1, 2], "layer1.mus": [1]}, {"dim": "a"}, r"parameters\['layer1.mus'\] = \[1\] .expected 2 values"),
                 ({"layer1.mua": [1]}, {"coords": ["nm"]}, "coords = 'nm' .expected names of columns"),
-                ({"layer1.mua": [1]}, {"coords": "layer1.mua"}, "coords = 'layer1.mua'"), ({"nm": [1]}, {"coords": ["nm"]}, "columns left that are set"),
+                ({"layer1.mua": [1]}, {"coords": "layer1.mua"}, "coords = 'layer1.mua'"), ({"nm": [1]}, {"coords": ["nm"]}, "at least one column must be set"),
                 ({"layer1.mua": ["a"]}, {"dim": "a"}, "a list of at least one number"), ({"layer1.mua": [1]}, {"dim": "r"}, "dim = 'r' .expected a name that no"),
                 ({"layer1.mua": [1], "Rd": [1]}, {"coords": ["Rd"]}, "label = Rd"), ({"layer1.mua": [1], "a": ["x\ny"]}, {"coords": ["a"]}, "texts of one line"),
                 (pd.DataFrame([[1, 2]], columns=["layer1.mua"] * 2), {}, "names that differ"), (5, {}, "a dict of names"),

@@ -131,12 +131,12 @@ def refusals(verdict):
     disk = "detector disk 0.02 at="
     near = (f"{disk}0.1,0",)
     for name, surface, beams, lines, what in (
-            ("detectors", None, "beam pencil", (*near, f"{disk}1e6,0"), "scene.mci:6: detector 2 at (1e+06 0) cm: its half width is 0.02 cm, expected at least "),
-            ("mesh", 'm "sheet.obj" shift=1e6,0,0', "beam pencil", near, "scene.mci:5: detector 1 at (0.1 0) cm: its half width is 0.02 cm, expected at least "),
+            ("detectors", None, "beam pencil", (*near, f"{disk}1e6,0"), "scene.mci:6: detector 2 at (1e+06 0) cm: its half width is 0.02 cm (expected at least "),
+            ("mesh", 'm "sheet.obj" shift=1e6,0,0', "beam pencil", near, "scene.mci:5: detector 1 at (0.1 0) cm: its half width is 0.02 cm (expected at least "),
             ("bins of a detector", None, "beam pencil", (f"{disk}1e6,0",), "scene.mci:6: beam 1 shines on bins of "),
             ("bins of a mesh", 'm "sheet.obj" shift=1e6,0,0', "beam pencil", (), "scene.mci:5: beam 1 shines on bins of "),
             ("flight", None, "beam pencil at=-1e5,0 z=1.5 angle=90", near, "scene.mci:6: beam: place = (-100000 0 1.5) (expected light that starts at most "),
-            ("double", None, "beam pencil at=-1e16,0 z=-1e16 angle=45", near, "scene.mci:6: beam: z = -1e+16 (expected a place whose axis ")):
+            ("double", None, "beam pencil at=-1e16,0 z=-1e16 angle=45", near, "scene.mci:6: beam: z = -1e+16 (expected a nearer source: its axis ")):
         code, record, said = fly(scene(10, surface, beams, lines))
         verdict.check(name, code == 2 and not record and said.startswith(f"clustermcml: {what}") and "\n" not in said, f"exit {code}: {said}")
 

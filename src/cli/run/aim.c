@@ -73,8 +73,8 @@ static cml_status add_name(const char *name, const struct cml_scene *scene, int 
     if (!(length == 2 && strncmp(name, "Tt", 2) == 0) && !(length == 4 && strncmp(name, "Tt_r", 4) == 0))
         return add_detector(name, length, scene, wanted, err);
     if (find_detector(scene, name, length))
-        return cml_aim_refuse(scene, name, length, "another name of the detector: this is the light below",
-                              err);
+        return cml_aim_refuse(scene, name, length,
+                              "another name for the detector: Tt and Tt_r mean light that leaves below", err);
     add_layer(scene->num_layers + 1, length == 2 && level > 0, wanted);
     return CML_OK;
 }
@@ -97,10 +97,11 @@ static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
     if (wants_packets(scene))
         return cml_aim_refuse(
             scene, aim, length,
-            "no map, facets, directions, photons and maps of detectors beside what splits packets", err);
+            "no line map, facets, directions, photons or detector map: this aim splits packets", err);
     if (wanted.detectors > 1 || (wanted.detectors > 0 && wanted.layers > 0))
         return cml_aim_refuse(scene, aim, length,
-                              "one detector, and beside it only what flat layers below all shapes give", err);
+                              "one detector, and beside it only Tt and A_l:N of flat layers below all shapes",
+                              err);
     return wanted.detectors > 0 ? cml_windows_at(aim, scene, surfaces, media, wanted.detector, windows, err)
                                 : cml_windows_below(aim, scene, media, wanted.layers, windows, err);
 }
@@ -120,7 +121,7 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
     const int score = layer ? layer - level : length == 2 && strncmp(name, "Tt", 2) == 0 ? 0 : -1;
     char expected[80];
     if (score < (layer ? 1 : 0) || cml_flat_tail_has(tail, score)) return CML_OK;
-    snprintf(expected, sizeof expected, "%g of the light or more that gets there, not less", CML_TAIL_LEAST);
+    snprintf(expected, sizeof expected, "an aim that at least %g of the light reaches", CML_TAIL_LEAST);
     return cml_aim_refuse(scene, name, length, expected, err);
 }
 

@@ -29,7 +29,8 @@ bool cml_has_checkpoint(const char *path)
 cml_status cml_keep(const char *path, struct cml_error *err)
 {
     return cml_fail(err, CML_E_INPUT,
-                    "--no-clobber: %.400s is there (expected no result that would be replaced)", path);
+                    "--no-clobber: %.400s exists (expected another name or folder, or no --no-clobber)",
+                    path);
 }
 
 /* Returns the photons of the result in a file; 0: there is none, or it is not a result. */
@@ -145,8 +146,7 @@ static cml_status check_kept(const struct cml_run_setup *setup, const struct cml
     if (about.kind != CML_CHECKPOINT_FINISHED) return cml_keep(before->there, err);
     return cml_fail(
         err, CML_E_INPUT,
-        "--no-clobber: %.300s is there, but of that run %.300s %s (expected all its files, or none "
-        "that would be replaced)",
+        "--no-clobber: %.300s exists, but %.300s %s (expected all files of the run, or none of them)",
         before->there, before->gone, before->how);
 }
 
@@ -156,9 +156,11 @@ static cml_status keep_checkpoint(const char *path, struct cml_error *err)
     const struct cml_checkpoint_about about = cml_checkpoint_look(path);
     const bool stopped = about.kind == CML_CHECKPOINT_PARTIAL;
     if (!stopped && !about.tallies) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "--no-clobber: %.400s is there, of a %s", path,
-                    stopped ? "run that was stopped (expected --resume, which goes on, or none)"
-                            : "finished run with its tallies (expected --more or --resume, or none)");
+    return cml_fail(
+        err, CML_E_INPUT, "--no-clobber: %.400s is that of a %s", path,
+        stopped
+            ? "stopped run (expected --resume, which continues it, or no such file)"
+            : "finished run with its tallies (expected --more, which extends it, --resume, or no such file)");
 }
 
 /* Refuses to replace a result with more photons, if there is no checkpoint. */

@@ -36,8 +36,8 @@ cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_
     if (!has) return CML_OK;
     return cml_fail(
         err, CML_E_INPUT,
-        "--reweight: %.400s has %s, of which each row would need one (expected totals, profiles over "
-        "r and angle, times, directions, detectors but maps, and what layers and bodies absorb)",
+        "--reweight: %.400s has %s, which rows cannot share (expected totals, profiles over r and angle, "
+        "times, directions, detectors that are no maps, and absorption of layers and bodies)",
         scene->output, has);
 }
 
@@ -176,14 +176,14 @@ static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group
     if (!sweep->options->engine_options.absorption) return false;
     if (blind < 0 && !large) return true;
     if (large)
-        snprintf(text, 200, "no A_z and A_rz of rows: %d of %d x %d bins (expected at most %g in all)",
+        snprintf(text, 200,
+                 "rows have no A_z and A_rz: %d rows of %d x %d bins are too many (expected at most %g bins)",
                  group->count, flown->nr, flown->nz, MOST_CELLS);
     else
-        snprintf(
-            text, 200,
-            "no A_z and A_rz of rows: in medium %d one absorbs more than %g times what scatters there, or "
-            "where nothing does what the palest absorbs",
-            blind, CML_ROW_MOST_SHARE / CML_ROW_SAMPLING);
+        snprintf(text, 200,
+                 "rows have no A_z and A_rz: in medium %d a row has mua above %g times mus (or, where mus = "
+                 "0, times the mua of the palest row)",
+                 blind, CML_ROW_MOST_SHARE / CML_ROW_SAMPLING);
     return false;
 }
 
@@ -195,8 +195,8 @@ static bool keeps_means(const struct group *group, char text[200])
                  cells = 2 * (2 * media + 1) * flown->num_detectors * group->count * CML_NUM_BATCHES;
     if (cells <= MOST_CELLS) return true;
     snprintf(text, 200,
-             "no means of detectors of rows: %d of %d detectors and %.0f media take %.3g bins (expected at "
-             "most %g)",
+             "rows have no means of detectors: %d rows of %d detectors and %.0f media take %.3g bins "
+             "(expected at most %g)",
              group->count, flown->num_detectors, media, cells, MOST_CELLS);
     return false;
 }

@@ -31,7 +31,7 @@ def channel_rows(channels: Any) -> tuple[list[Any], list[dict[str, float]]]:
     label = next((name for name in ("nm", "channel") if name in columns), "")
     labels = columns.pop(label, [])
     if not labels or not columns or any(len(values) != len(labels) for values in columns.values()):
-        raise errors.refuse("channels", channels, "a column nm, or channel with r, g and b, and columns as long of what is set: layer1.mua ...")
+        raise errors.refuse("channels", channels, "a column nm, or a column channel with r, g and b, and columns of the same length for what is set: layer1.mua ...")
     if label == "nm":
         labels = [errors.number("channels['nm']", value, 1, 1e7, "wavelengths [nm]") for value in labels]
         if len(labels) < 2 or (np.diff(labels) <= 0).any():

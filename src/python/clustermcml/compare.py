@@ -524,7 +524,7 @@ def _compared(paths: list[str], names: list[str]) -> Comparison:
     comparison = Comparison(paths, names)
     if not comparison.tests:
         packets = [result.attrs["photons"] for result in comparison.results]
-        raise errors.InputError(f"compare: {names[0]} and {names[1]}: {packets[0]:g} and {packets[1]:g} packets (expected enough to compare anything)")
+        raise errors.InputError(f"compare: {names[0]} and {names[1]}: {packets[0]:g} and {packets[1]:g} packets (expected more packets: no number has enough to be compared)")
     return comparison
 
 

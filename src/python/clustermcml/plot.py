@@ -68,7 +68,7 @@ class Result:
         if name in ("fluence", "fluence_rz"):
             of, unit = ("A_z", "1") if name == "fluence" else ("A_rz", "1/cm2")
             if "lacks" in self.data.attrs:
-                raise errors.InputError(f"{self.data.attrs['lacks']}: missing or of another run (expected the extents of shapes, for a fluence)")
+                raise errors.InputError(f"{self.data.attrs['lacks']}: missing or of another run (expected the .h5 of this run: a fluence needs the extents of shapes)")
             if of not in self.data or not (self.data["layer_mua"].values > 0).any():
                 raise errors.InputError(f"{self.path}: mua = 0 in all layers (expected a layer that absorbs, for a fluence)")
             known = _spread_over_mua(self.data, of + "_se") if of + "_se" in self.data else None

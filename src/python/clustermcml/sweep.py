@@ -85,7 +85,7 @@ def _rows(parameters: Mapping[str, Any], dim: str, coords: Sequence[str]) -> _Ta
         if length != rows:
             raise errors.refuse(f"parameters[{name!r}]", parameters[name], f"{rows} values, as many as the first column has")
     if set(columns) <= set(coords):
-        raise errors.refuse("coords", coords, "columns left that are set")
+        raise errors.refuse("coords", coords, "fewer names: at least one column must be set")
     return _Table(columns, coords, {dim: rows}, {name: (dim, values) for name, values in columns.items()})
 
 

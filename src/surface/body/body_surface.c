@@ -75,12 +75,11 @@ static cml_status check_size(const struct cml_scene *scene, const double origin[
     }
     const double step = FLT_EPSILON * farthest, least = LEAST_ROUNDINGS * step;
     if (size >= least) return CML_OK;
-    return cml_fail(
-        err, CML_E_INPUT,
-        "%s:%d: body %d: %s %g cm, expected at least %g cm: single precision has steps of %g cm "
-        "there, %g cm from where x and y count or the top of the layer, and smaller bodies than %d "
-        "steps are not proven",
-        scene->file, body->line, k + 1, what, size, least, step, farthest, LEAST_ROUNDINGS);
+    /* 1.005: %.3g must not round below the least size */
+    return cml_fail(err, CML_E_INPUT,
+                    "%s:%d: body %d: %s = %g cm (expected at least %.3g cm: single precision has steps of "
+                    "%.2g cm there, %.3g cm away from the origin of the scene or the top of the layer)",
+                    scene->file, body->line, k + 1, what, size, 1.005 * least, step, farthest);
 }
 
 /* Makes the surface of body k. Depths count from the frame of the body's layer, as in the kernels. */

@@ -123,9 +123,9 @@ static void numbers_out_of_range(void **state)
         {BINS "3 4 0.5\n", "x.mci:6: na = 0.5 (expected a whole number of 1..1e9)"},
         {BINS "3 4 2e9\n", "x.mci:6: na = 2e9 (expected a whole number of 1..1e9)"},
         {BINS "100000 100000 1\n", "x.mci:6: nz nr na = 100000 100000 1 (expected at most 2^31 cells in all "
-                                   "arrays together; these are 1e+10, 74.5 GiB)"},
+                                   "arrays together, not 1e+10 (74.5 GiB))"},
         {BINS "1 1e6 1e6\n", "x.mci:6: nz nr na = 1 1000000 1000000 (expected at most 2^31 cells in all "
-                             "arrays together; these are 2e+12, 1.49e+04 GiB)"},
+                             "arrays together, not 2e+12 (1.49e+04 GiB))"},
         {RUN "0\n", "x.mci:7: number of layers = 0 (expected a whole number of 1..100000)"},
         {RUN "100001\n", "x.mci:7: number of layers = 100001 (expected a whole number of 1..100000)"},
         {RUN "1e300\n", "x.mci:7: number of layers = 1e300 (expected a whole number of 1..100000)"},
@@ -425,11 +425,11 @@ static void maps_that_are_none(void **state)
         {NAME "directions 5 5\ndirections 5 5\n",
          "x.mci:5: line = directions 5 5 (expected one directions line per run)"},
         {NAME "map 30000 30000 1 1\n1\n1 1\n1 1 1\n1\n1\n" LAYER "1\n",
-         "x.mci:4: map: nx ny = 30000 30000 (expected at most 2^31 cells in maps and volume together; these "
-         "are 3.6e+09, 80.5 GiB)"},
+         "x.mci:4: map: nx ny = 30000 30000 (expected at most 2^31 cells in maps and volume together, not "
+         "3.6e+09 (80.5 GiB))"},
         {NAME "map 20000 20000 1 1 angles volume\n1\n1 1\n10 1 10\n1\n1\n" LAYER "1\n",
-         "x.mci:4: map: nx ny = 20000 20000 (expected at most 2^31 cells in maps and volume together; these "
-         "are 2e+10, 447 GiB)"},
+         "x.mci:4: map: nx ny = 20000 20000 (expected at most 2^31 cells in maps and volume together, not "
+         "2e+10 (447 GiB))"},
     };
     CHECK_ALL(state, table);
 }

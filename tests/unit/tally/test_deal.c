@@ -97,7 +97,7 @@ static void too_few_more_are_refused(void **state)
     struct cml_error err;
     assert_int_equal(cml_deal_create(share, 3, &deal, &err), CML_OK);
     assert_int_equal(cml_deal_round(&deal, 100003, 100006, &err), CML_E_INPUT);
-    assert_non_null(strstr(err.text, "3 photons beside 100003 (expected another number"));
+    assert_non_null(strstr(err.text, "3 photons after 100003 (expected another number"));
     cml_deal_clear(&deal);
 }
 

@@ -1,6 +1,7 @@
 /* Takes and releases lock files. SPDX-License-Identifier: MIT */
 #ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* F_OFD_SETLK: POSIX's own locks end when any descriptor of the file is closed */
+#define _GNU_SOURCE /* makes fcntl.h declare F_OFD_SETLK: a lock that, unlike POSIX's own, does not end when \
+                       another descriptor of the file is closed */
 #endif
 #include "base/file_lock.h"
 

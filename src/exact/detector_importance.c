@@ -43,7 +43,8 @@ static void cut_layer(const struct cml_medium_def *medium, double top, double d,
     }
 }
 
-/* Cuts the layers down to `depth` into pieces, and sets the borders of the rings. */
+/* Cuts the layers from the surface down to `depth`, cm, into pieces. Sets the borders of the rings between
+ * the axis and the radius `reach`, cm; rings are narrower near the axis. */
 static void cut(const struct cml_medium_def *media, int layers, double reach, double depth,
                 struct volumes *to)
 {

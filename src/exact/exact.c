@@ -88,7 +88,9 @@ static double specular(const struct search *search, const struct cml_directions 
     return sum;
 }
 
-/* Computes all shares for one order, with the matrices that search->rough selects. value: [count] */
+/* Computes all shares of the incident light with one order of the quadrature. search->rough holds the
+ * matrices of the rough boundaries. value: [CML_EXACT_LAYERS + num_layers], indices as in enum
+ * cml_exact_share. */
 static cml_status solve_shares(struct search *search, const struct cml_directions *directions, int order,
                                double *value, struct cml_error *err)
 {

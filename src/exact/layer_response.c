@@ -80,10 +80,10 @@ static void scattering(struct work *w, double *even, double *odd)
     }
 }
 
-/* Computes the matrices Q and P of the equation of transfer. The scattering loss of a direction is the sum
- * that the quadrature finds in all directions, so energy is conserved for any order; light scattered into its
- * own direction is not scattered. Light scattered exactly backwards leaves S unchanged, and counts twice in
- * D. */
+/* Computes the matrices Q and P of the equation of transfer (head of this file). The scattering loss of a
+ * direction is the sum that the quadrature finds in all directions. Energy is therefore conserved for any
+ * order. Light scattered into its own direction counts as unscattered. Light scattered exactly backwards
+ * leaves the sum S of both directions unchanged, and counts twice in their difference D. */
 static void transfer(struct work *w, double *Q, double *P)
 {
     const int n = w->n;

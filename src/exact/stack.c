@@ -69,7 +69,8 @@ static cml_status allocate(struct stack *stack, const struct cml_directions *dir
 static void add_boundary(struct stack *stack, const struct cml_directions *directions, double above,
                          double below, int n)
 {
-    /* directions below the boundary; directions on both sides */
+    /* inner: number of directions below the boundary. shared: number of directions that exist on both sides.
+     */
     const int inner = stack->n, shared = n < inner ? n : inner;
     const struct cml_dense_kind kind = cml_directions_kind(directions, inner);
     double *r = stack->mirror, *to = stack->other;
@@ -141,7 +142,8 @@ static void add_layer(struct stack *stack, const struct cml_directions *directio
     for (int i = 0; i < n * n; i++) old[i] += layer->R[i];
 }
 
-/* Begins with the medium below: no light comes back, and share 0 is the transmitted light. */
+/* Begins a stack of n directions with the medium below all layers. No light comes back from that medium, and
+ * share 0 is the transmitted light. */
 static void begin(struct stack *stack, int n)
 {
     stack->n = n;

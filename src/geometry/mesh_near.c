@@ -12,8 +12,8 @@ static const double nearly = 1e-5; /* share of the mesh's extent; exporters writ
 struct corner {
     uint32_t vertex, next; /* `next`: the other end of the edge */
     double along;          /* position along the line by which corners are sorted, cm */
-    double nearest; /* distance of the nearest other corner, cm; infinite if none is within `nearly` of the
-                       extent */
+    double nearest;        /* distance of the nearest other corner, cm; infinite if no other corner is within
+                              `nearly` times the mesh's extent */
 };
 
 /* Orders two corners by their position along the line, for qsort. */

@@ -32,8 +32,9 @@ bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t);
 /* Finds each half-edge's opposite. Refuses an edge with more than two triangles. */
 CML_NODISCARD cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Reverses triangles until all triangles of a part agree with the part's first triangle. Refuses one-sided
- * parts, and a sheet of several parts. For a body sets mesh->part and part_start. */
+/* Reverses triangles until all triangles of a part agree with the part's first triangle. Refuses a part that
+ * has only one side, like a Moebius strip. Refuses a boundary's mesh if it has several parts. For a body sets
+ * mesh->part and part_start. */
 CML_NODISCARD cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Refuses a vertex whose triangles are not one fan. */

@@ -107,9 +107,10 @@ static bool contains(struct view view, const double *const t[3], const double *p
     return true;
 }
 
-/* True if two segments in one plane meet: each has the other's ends on both sides, or an end lies on it.
- * Segments on one line do not count here, because other tests find their contact: an end of p-q then lies in
- * the triangle, or p-q passes through a corner, where another edge begins. */
+/* True if the segments p-q and a-b, which lie in one plane, meet. They meet if each has the other's ends on
+ * both sides, or if an end of one lies on the other. Segments on one line count as not meeting, because other
+ * tests find their contact: an end of p-q then lies in the triangle, or p-q passes through a corner, where
+ * another edge begins. */
 static bool edges_intersect(struct view view, const double *p, const double *q, const double *a,
                             const double *b, double place[3])
 {

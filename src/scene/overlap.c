@@ -218,8 +218,8 @@ static bool find_closest(const struct shape *upper, const struct shape *lower, d
     return true;
 }
 
-/* Compares pairs with a tile. A pair that cannot be compared exactly is refused, because its other surface
- * has no period or another one. */
+/* Compares two boundaries of which one is a tile. Refuses boundaries that overlap, and boundaries whose gap
+ * cannot be computed exactly, because the other surface has no period or a different period. */
 static cml_status compare_tiles(const struct cml_scene *scene, const struct shape *upper,
                                 const struct shape *lower, struct cml_error *err)
 {

@@ -22,7 +22,8 @@ static void place_vertices(struct cml_sheet *sheet, double z)
     for (size_t i = 0; i < mesh->num_border; i++) sheet->on_border[mesh->border[i]] = true;
 }
 
-/* Fills in the vertices, the search tree and the outer plane of a sheet. */
+/* Fills in a sheet, a mesh with the outer plane around it: vertices in the scene's frame, search tree, depth
+ * of the outer plane. z: nominal depth of the mesh, cm. */
 static cml_status fill_sheet(struct cml_sheet *sheet, double z, struct cml_error *err)
 {
     const struct cml_mesh *mesh = sheet->mesh;

@@ -74,7 +74,9 @@ static double table_mean(const struct cml_phase *phase)
     return 1 - sum;
 }
 
-/* ---- closed forms ---- */
+/* Returns the share of light that Henyey and Greenstein's function scatters below the deflection x = 1 -
+ * cosine. With a = 1 - g and b = sqrt(a^2 + 2 g x) the share is (1 - g^2) / (2 g) (1 / a - 1 / b). The code
+ * avoids this difference, which cancels for small g. */
 
 /* Returns Henyey and Greenstein's share below the deflection x. With a = 1 - g and b = sqrt(a^2 + 2 g x) it
  * is (1 - g^2) / (2 g) (1 / a - 1 / b), computed without that difference. */
@@ -103,7 +105,8 @@ static double gk_below(double g, double a, double x)
     return expm1(-a * gk_log(g, x)) / expm1(-a * gk_log(g, 2));
 }
 
-/* Returns a / (1 - exp(-a L)) with L = `all`, at a = 0 its limit 1 / L. */
+/* Returns a / (1 - exp(-a L)), the factor that normalises the density of the phase function gk. L = `all`. At
+ * a = 0 returns the limit 1 / L. */
 static double gk_scale(double a, double all)
 {
     return a == 0 ? 1 / all : -a / expm1(-a * all);

@@ -164,8 +164,8 @@ static void put_ring(const struct rings *rings, int i, struct cml_mesh *mesh)
     }
 }
 
-/* Appends a triangle to the strip that ends at ring `ring`. Vertices a, b, c run counter-clockwise in x,
- * y. */
+/* Appends a triangle to the strip that ends at ring `ring`. Vertices a, b, c run counter-clockwise in x, y.
+ * The mesh lists them clockwise, as a, c, b, so that the triangle faces up: z points down. */
 static void put_triangle(const struct rings *rings, int ring, size_t a, size_t b, size_t c,
                          struct cml_mesh *mesh)
 {

@@ -187,7 +187,8 @@ static bool lies_in(void *context, uint32_t i, uint32_t j)
     return order == CML_CONVEX_FIRST_INSIDE || fails;
 }
 
-/* True if two bodies with the same host are not apart, which is an error: a cml_boxtree_pair. */
+/* Compares two bodies that have the same host (a cml_boxtree_pair). If the bodies are not apart, writes an
+ * error to p->status and returns true, which ends the search. */
 static bool fails_beside(void *context, uint32_t i, uint32_t j)
 {
     struct placing *p = context;

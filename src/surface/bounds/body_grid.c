@@ -25,7 +25,8 @@ struct filling {
     const struct cml_scene *scene;
     double depth; /* depth of the layer's frame, cm */
     const struct cml_body_cells *cells;
-    float *closest; /* distance of each cell's middle from the closest surface within BAND */
+    float *closest; /* distance of each cell's middle from the closest surface, INFINITY if none has the cell
+                       in its band; at last a lower bound of the distance */
     float *far;     /* lower bound of each middle's distance from all surfaces, from the cells that
                        surfaces pass; squared at first */
     struct cml_body_patch *patch;
@@ -123,7 +124,7 @@ static void fill_cell(struct filling *f, const struct part *part, int x, int y, 
         cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
 }
 
-/* Adds a part to all cells in its band. */
+/* Fills the cells that a part's box touches, and BAND more cells around it. */
 static void fill_band(struct filling *f, const struct part *part)
 {
     int from[3], to[3];
@@ -321,7 +322,8 @@ static void box_of_bodies(const struct cml_scene *scene, int layer, double lower
     }
 }
 
-/* Chooses cubes, about `most` of them, over the box around all bodies of the layer and a little more. */
+/* Chooses the grid of a layer: cubic cells over the box around all bodies of the layer, and PAD more cells on
+ * each side. The grid has about `most` cells or fewer. */
 static void lay_out(const struct cml_scene *scene, const double origin[2], int layer, double depth,
                     double most, struct cml_body_cells *cells)
 {

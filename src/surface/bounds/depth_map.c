@@ -288,8 +288,8 @@ static cml_status allocate_period(const struct cml_heightmap *tile, const int pe
     return CML_OK;
 }
 
-/* Widens the cells below a triangle. A triangle beside the map is skipped unless it is within rounding of the
- * map's ends. */
+/* Extends the depth ranges of the map's cells to include a triangle. Skips a triangle that lies beside the
+ * map by more than rounding. */
 static void cover_if_inside(struct cml_depth_map *map, const double *corner[3], float *steepest)
 {
     const struct triangle_plane t = plane_of(corner[0], corner[1], corner[2]);

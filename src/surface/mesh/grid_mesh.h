@@ -24,8 +24,9 @@ struct cml_sheet_facet {
                            NaN if the facet is too thin for float */
 };
 
-/* Range of depths of the facets above a cell, in steps above cml_grid_mesh.z. Widened by err_float and by
- * err_apart times the facets' slope. least > most if there are no facets. */
+/* Range of depths of the facets above a cell, in depth steps from cml_grid_mesh.z. The range is widened by
+ * the bound of rounding err_float, and by err_apart times the facets' slope. least > most if the cell has no
+ * facets. */
 struct cml_grid_mesh_depths {
     uint16_t least, most;
 };

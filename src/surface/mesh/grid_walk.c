@@ -49,7 +49,8 @@ struct range {
     int first[2], last[2];
 };
 
-/* Returns the ray along one axis, with `never` for the inverse of a speed of 0. */
+/* Returns the ray along one axis. If the speed is about 0, the inverse is `never`, which stands for infinity.
+ */
 static struct axis make_axis(double origin, double speed)
 {
     return (struct axis){origin, speed, fabs(speed) > 1 / never ? 1 / speed : never};
@@ -229,11 +230,11 @@ static double leave_at(const struct traversal *w, int k, int node, double size)
     return ((node + (axis->inverse > 0)) * size - axis->origin) * axis->inverse;
 }
 
-/* Traverses the nodes of a range (Amanatides and Woo), each time across the border that the ray reaches
- * first, until a node is hit or the ray or the range ends. `enter`: a distance in `part` at which the ray is
- * in the first node. Each node gets its part of the ray widened by err_cell at both ends, so that a facet at
- * a border is tested on both sides. A ray that crosses a border near a corner is undecided, because its next
- * node is not certain. */
+/* Walks along the ray through the nodes of a range (Amanatides and Woo), each time across the border that the
+ * ray reaches first, until a node is hit or the ray or the range ends. `enter`: a distance in `part` at which
+ * the ray is in the first node. Each node tests its part of the ray, widened by err_cell at both ends, so
+ * that a facet at a border is tested from both nodes. Returns UNDECIDED if the ray crosses a border near a
+ * corner, because the next node is then not certain. */
 static enum verdict traverse(const struct traversal *w, int level, const struct range *range, int node[2],
                              double enter, struct interval part)
 {

@@ -78,6 +78,6 @@ void cml_line_add(struct cml_mesh_line *line, int primitive);
 /* Ends a pass over the triangles. Returns true if all triangles must be added once more. */
 bool cml_line_goes_on(struct cml_mesh_line *line);
 
-/* Decides what the packet crosses before its path ends, and makes that q's best crossing. Leaves q's best
- * unchanged if it is at the same place. */
+/* Decides which crossing the packet of q meets before its path ends, and makes that crossing q's best. Leaves
+ * q unchanged if its best crossing already lies at the decided place. */
 void cml_line_decide(struct cml_mesh_line *line, struct cml_mesh_query *q);

@@ -310,10 +310,11 @@ static bool is_over_box(const struct cml_mesh_query *q)
     return p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] && p[1] < upper[1];
 }
 
-/* True if the packet stands close to an edge of its facet, or to the border. There rounding may have put it
- * beyond facets that it has not met, or a mean normal may have turned it. weight: twice the area between
- * packet and edge, so weight / length is the distance from the edge. A rounding error across a facet is 1 /
- * |along| times as large along it. */
+/* True if the packet may stand beyond a neighbouring facet that it has not met, because it is close to an
+ * edge of its facet `primitive` or to the mesh's border. Rounding may have put the packet there, or a
+ * refraction at the mean normal of several facets. weight[k] is twice the area of the triangle between the
+ * packet and edge k, so the packet's distance from the edge is at least weight[k] / length. A rounding error
+ * across the facet is 1 / |along| times as large along the facet. */
 static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
 {
     if (primitive < 0) return primitive == CML_NEAR_FACETS;

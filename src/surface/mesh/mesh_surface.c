@@ -40,8 +40,9 @@ struct cml_mesh_surface {
 struct query {
     query_context context;
     struct cml_mesh_query ray;
-    struct cml_mesh_line *line; /* set while the whole line is followed, else NULL */
-    bool contact_only;          /* only looks for facets that the packet may be beyond */
+    struct cml_mesh_line
+        *line; /* the test of the whole line against all facets (mesh_line.h) while it runs, else NULL */
+    bool contact_only; /* only looks for facets that the packet may be beyond */
 };
 
 /* Tests a triangle. Returns true if it may be the packet's next crossing. */
@@ -158,8 +159,8 @@ static void test_contact_around(const struct cml_mesh_surface *surface, struct q
     query->contact_only = false;
 }
 
-/* Queries Embree's boxes: tests contact around the packet if needed, then every triangle whose box the ray
- * meets. */
+/* Answers a query with Embree's boxes, in double. First looks for facets beyond which the packet may stand,
+ * if the query needs them; then tests every triangle whose box the ray meets. */
 static void query_embree(const struct cml_mesh_surface *surface, struct query *query)
 {
     if (query->ray.contact_distance >= 0 && query->ray.exclude != CML_OFF_FACETS)

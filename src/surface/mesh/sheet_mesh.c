@@ -35,7 +35,7 @@ struct entry {
     float inside; /* distance of the cell's middle from the facet's sides, positive inside, cells */
 };
 
-/* The data needed while lists are made. */
+/* Working data for filling the cells' lists of facets. */
 struct lists {
     const struct cml_centred_mesh *centred;
     struct cml_grid_mesh *grid;

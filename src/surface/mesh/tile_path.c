@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Overlap of segments, in cells. Each segment ends one cell before the mesh does, and the next one begins
- * this much earlier. */
+/* Number of cells by which a segment overlaps the next one. A segment ends one cell before the mesh does; the
+ * next segment begins half a cell before that end. */
 static const double overlap = 0.5;
 
 /* Returns the number of cells in a row of the mesh: one period and both margins. */

@@ -29,12 +29,12 @@ struct cml_mesh_period {
     int n[2];         /* cells of the period along x and y, at least 2; 0: the mesh is not repeated */
     int margin[2];    /* cells of the mesh around the period on each side, at least 3 */
     double corner[2]; /* corner of the period's first cell, in query coordinates, cm */
-    double cell[2];   /* size of a cell, cm */
+    double cell[2];   /* size of a cell along x and y, cm */
 };
 
 /* A ray on its way from segment to segment. Distances are along the ray, cm. */
 struct cml_tile_path {
-    const struct cml_mesh_period *period; /* borrowed, as are p and u */
+    const struct cml_mesh_period *period; /* the tile's period; the caller owns *period, p and u */
     const double *p, *u;                  /* position and direction as in cml_mesh_surface_hit */
     double end;                           /* end of the path, or where it leaves the depths of the mesh */
     double from, to;                      /* begin and end of the segment */

@@ -78,8 +78,8 @@ static int find_longest(const double corner[3][3], double *longest)
     return opposite;
 }
 
-/* Fills entry i of a leaf with a facet. A facet thinner than the margin gets NaN, so that it is always in
- * doubt. */
+/* Fills entry i of a leaf with a facet. A facet whose height over its longest side is at most the margin gets
+ * NaN. Every test of such a facet leaves it in doubt, so it is tested again in double. */
 static void fill_facet(const struct builder *b, uint32_t facet, int i, struct cml_tree_leaf *leaf)
 {
     const double *plane = b->plane[facet];

@@ -20,7 +20,8 @@ struct search {
     struct slabs slabs;
     float to;     /* nothing beyond this distance matters: the path's length, or the distance of a sure
                      crossing */
-    float t, err; /* distance of the nearest sure crossing, and its error; the answer has its facet */
+    float t, err; /* t: distance of the nearest sure crossing; err: rounding error of t; `answer` names the
+                     crossing's facet */
     float least[CML_TREE_DOUBTS]; /* smallest possible distance of each facet in doubt */
     float entering;               /* distance of the nearest sure crossing that enters */
 };

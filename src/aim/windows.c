@@ -204,6 +204,7 @@ static cml_status weigh_plain(const struct cml_scene *scene, const struct cml_me
     return status;
 }
 
+/* Makes the weight windows for light that one detector sees, and estimates their gain. */
 cml_status cml_windows_at(const char *aim, const struct cml_scene *scene,
                           const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                           int number, struct cml_window_table *windows, struct cml_error *err)

@@ -209,6 +209,7 @@ static cml_status allocate(int num_media, int most, struct cml_directions *to, s
     return status;
 }
 
+/* Makes the directions of a stack: nodes between the indices of its media, each with its weights. */
 cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers, const bool *spreads,
                                  const struct cml_exact_light *light, int order, struct cml_directions *to,
                                  struct cml_error *err)

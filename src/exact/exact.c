@@ -165,7 +165,8 @@ static cml_status walk_boundaries(struct search *search, const struct cml_direct
     return CML_OK;
 }
 
-/* Computes the shares of one order, unless the work would become too much (search->enough). */
+/* Computes the shares with one order of the quadrature. Sets search->enough, and computes nothing, if the
+ * work of all orders would exceed options->most_work. */
 static cml_status raise_order(struct search *search, int order, struct cml_error *err)
 {
     struct cml_directions directions;
@@ -191,11 +192,11 @@ static double weight_of(double share)
     return share > 0 && share < 1 ? share * (1 - log(share)) : share > 0;
 }
 
-/* Estimates the errors. An error is twice the largest of: the changes between orders, and a tenth of the
- * changes of other shares, because a single change may be small by chance. The factor of two allows for slow
- * convergence. An error is at least four standard errors of the walks. The last terms are the rounding of a
- * sum of shares, and of the difference that gives Rd. Returns true if orders change no more than the noise of
- * the walks. */
+/* Estimates the error of each share. An error is twice the larger of two changes: the change of this share
+ * from the two earlier orders, and a tenth of the largest change of any share, because a single change may be
+ * small by chance. The factor of two allows for slow convergence. With walks the error is at least four
+ * standard errors. The loss of the sum of shares, and rounding, are added. Returns true if the orders differ
+ * by no more than the noise of the walks. */
 static bool estimate(const struct search *search, struct cml_exact *exact)
 {
     double *const *history = search->history, most = 0, most_spread = 0;
@@ -287,6 +288,8 @@ static void find_rough(struct search *search)
     }
 }
 
+/* Computes the shares of plane layers with rising orders, until all errors are within the tolerance or the
+ * work is too much. */
 cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
                            const struct cml_exact_light *light, const struct cml_exact_options *options,
                            struct cml_exact *exact, struct cml_error *err)
@@ -312,6 +315,7 @@ cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
     return status;
 }
 
+/* Computes the shares of a scene with planes in place of its boundaries. */
 cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
                            const struct cml_exact_options *options, struct cml_exact *exact,
                            struct cml_error *err)

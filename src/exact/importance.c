@@ -85,6 +85,7 @@ static void interpolate(const struct pieces *pieces, double depth, int cells, do
     }
 }
 
+/* Computes the importance of light by depth, for light that comes out below. */
 cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layers, int cells, double *value,
                                    struct cml_error *err)
 {

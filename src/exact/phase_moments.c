@@ -77,6 +77,7 @@ static cml_status integrate(const struct cml_phase *phase, int count, double *mo
     return CML_OK;
 }
 
+/* Computes the Legendre moments of a medium's phase function. */
 cml_status cml_phase_moments(const struct cml_medium_def *medium, int count, double *moment,
                              struct cml_error *err)
 {

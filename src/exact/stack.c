@@ -29,7 +29,8 @@ struct block {
  * then the shares of the uppermost block. */
 struct stack {
     struct cml_arrays arrays;
-    /* Number of directions at the level; number of shares; largest number of directions of any medium. */
+    /* n: number of directions at the level; rows: number of shares; most: largest number of directions of any
+     * medium */
     int n, rows, most;
     double *below;
     double *other, *matrix; /* [most + rows][most] scratch */
@@ -279,6 +280,7 @@ cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml
     return status;
 }
 
+/* Computes the fate of light in each direction without weight. */
 cml_status cml_stack_responses(const struct cml_medium_def *media, const struct cml_directions *directions,
                                int terms, int count, double *response, struct cml_error *err)
 {

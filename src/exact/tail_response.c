@@ -67,9 +67,10 @@ static cml_status solve(const struct cml_medium_def *stack, int num_layers,
     return status;
 }
 
-/* Returns the largest relative change of a response. Responses below a thousandth of the largest in their row
- * are compared with that thousandth. Light that grazes a boundary counts by its cosine c, because little of
- * it arrives: a share of c^2 of diffuse light. */
+/* Returns the largest relative change from an old to a new response. A response below a thousandth of the
+ * largest in its row is compared with that thousandth. Changes for grazing light count less, because only a
+ * share of c^2 of diffuse light arrives with a cosine below c: a change is multiplied by 30 c^2 if that is
+ * below 1. */
 static double largest_change(const struct cml_flat_tail *tail, const double *old, const double *new, int rows,
                              int count)
 {
@@ -175,6 +176,7 @@ static cml_status fill(const struct cml_medium_def *stack, int num_layers, struc
     return status;
 }
 
+/* Makes the table of expected values for the layers below a level. */
 cml_status cml_tail_create(const struct cml_medium_def *media, int num_layers, int layer, double z,
                            struct cml_flat_tail *tail, struct cml_error *err)
 {

@@ -120,8 +120,9 @@ bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);
 /* Statistics of heights and edges, for `check`. */
 struct cml_mesh_summary {
     double z_mean, z_rms, peak_to_valley; /* cm, weighted by projected area; z_rms about the mean */
-    double slope_rms, slope_max;          /* no unit; infinite if there are vertical walls */
-    double edge_median, edge_min;         /* cm; NaN if memory runs out */
+    double slope_rms, slope_max;  /* root mean square and maximum of the slope, cm per cm; infinite if there
+                                     are vertical walls */
+    double edge_median, edge_min; /* cm; NaN if memory runs out */
 };
 
 /* Computes the statistics of a prepared mesh. */

@@ -379,6 +379,7 @@ static void turn_parts(struct cml_mesh_work *work, const struct part *parts)
     }
 }
 
+/* Turns each part of a body outwards, and each cavity inwards. */
 cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

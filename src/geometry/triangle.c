@@ -47,8 +47,8 @@ static bool wedges_apart_from_above(const double *const a[3], const double *cons
            outside_wedge(b[0], b[1], b[2], a[1]) && outside_wedge(b[0], b[1], b[2], a[2]);
 }
 
-/* Returns the rounded determinant det(a - d, b - d, c - d), from which the place on a segment follows where
- * it meets a plane. Exact signs have decided before that it does. */
+/* Returns the rounded determinant det(a - d, b - d, c - d). The caller computes from it where a segment meets
+ * a plane, after exact signs have decided that it does. */
 static double determinant(const double *a, const double *b, const double *c, const double *d)
 {
     double m[3][3];

@@ -24,6 +24,7 @@ const char *const *cml_phase_numbers(enum cml_phase_kind kind)
 
 /* ---- tables ---- */
 
+/* Scales the densities of a table so that their integral is 1, and fills the sums `below`. */
 bool cml_phase_scale_table(struct cml_phase *phase)
 {
     const size_t bytes = (size_t)phase->rows * sizeof(double);
@@ -133,6 +134,7 @@ static double gk_mean(double g, double a)
     return 1 - gk_scale(a, all) * all * sum / (3 * STEPS);
 }
 
+/* Returns the share of the light that is scattered with a deflection below x. */
 double cml_phase_below(const struct cml_phase *phase, double x)
 {
     const double *n = phase->number;
@@ -150,6 +152,7 @@ double cml_phase_below(const struct cml_phase *phase, double x)
     }
 }
 
+/* Returns the density of the light over the deflection at x. */
 double cml_phase_density(const struct cml_phase *phase, double x)
 {
     const double *n = phase->number, c = 1 - x;
@@ -167,6 +170,7 @@ double cml_phase_density(const struct cml_phase *phase, double x)
     }
 }
 
+/* Returns the mean cosine of deflection, g. */
 double cml_phase_mean(const struct cml_phase *phase)
 {
     const double *n = phase->number;

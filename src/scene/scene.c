@@ -62,6 +62,7 @@ static void clear_beam(struct cml_beam *beam)
     free(beam->pixel);
 }
 
+/* Frees all that a scene owns, and zeroes the scene. */
 void cml_scene_clear(struct cml_scene *scene)
 {
     /* A scene that was refused while being read may have its number of layers set, but no boundaries yet. */
@@ -125,6 +126,7 @@ static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool 
     }
 }
 
+/* Copies a scene. Shapes, bodies and tables are shared, not copied. */
 cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, struct cml_error *err)
 {
     const size_t layers = (size_t)from->num_layers, bodies = (size_t)from->num_bodies,

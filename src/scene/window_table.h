@@ -31,7 +31,9 @@ struct cml_window_table {
 };
 
 #define CML_WINDOW_CELLS 1024
-#define CML_LEAST_TARGET 256u /* units of 2^-31; lighter packets would be rounded too coarsely (rule P3) */
+/* Smallest target weight, in units of 2^-31. Lighter packets would be rounded too coarsely (rule P3 of
+ * kernels/README.md). */
+#define CML_LEAST_TARGET 256u
 
 /* Computes `target` from the importance of light, [rings][cells]. Packets keep their whole weight where the
  * importance is at most `start`, and get the share (start / importance)^power elsewhere. All other members of

@@ -308,6 +308,7 @@ static cml_status represent_bodies(const struct cml_scene *scene, const struct c
     return status;
 }
 
+/* Represents every boundary, then every body. Frees all of them again after a failure. */
 cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
                                struct cml_surface_set *set, struct cml_error *err)
 {

@@ -73,8 +73,8 @@ struct requirements {
     const struct cml_scene *scene;
     struct range range;
     double distance; /* smallest allowed distance from the origin over all parts, cm */
-    double flight; /* as `distance`, but rings count like facets, because light from elsewhere meets rings as
-                      it meets facets */
+    double flight;   /* like `distance`, but with rings counted as facets, because light from outside the
+                        boundary meets rings as it meets facets */
 };
 
 /* A part of the scene: its position and its smallest length, cm. */

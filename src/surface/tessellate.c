@@ -45,9 +45,10 @@ static double slant(const struct cml_radial *radial, int i)
     return hypot(radial->r[i + 1] - radial->r[i], radial->h[i + 1] - radial->h[i]);
 }
 
-/* Returns the longest arc that ring i may have under the rule against needles, cm. Beside a strip far
- * narrower than its neighbour, the rule alone would fill the wide strip with needles in the other direction.
- * There the geometric mean of both widths is allowed. */
+/* Returns the longest arc, cm, that a side of ring i may have without making needles. A needle is a triangle
+ * whose arc is longer than `needle` times the width of its strip. Where one strip is far narrower than its
+ * neighbour, this rule alone would make the wide strip's triangles needles in the other direction. The
+ * geometric mean of both widths is therefore always allowed. */
 static double longest_arc(const struct cml_radial *radial, int i, double needle)
 {
     const double inner = slant(radial, i - 1);

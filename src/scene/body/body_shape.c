@@ -193,6 +193,7 @@ int cml_body_segments(enum cml_body_form form, double tolerance)
     return (int)fmin(most, fmax(least, ceil(n)));
 }
 
+/* Makes the mesh of a body: a copy of a mesh, a sphere as a divided icosahedron, or a cylinder as a prism. */
 cml_status cml_body_mesh(const struct cml_scene_body *body, int n, bool around, struct cml_mesh *mesh,
                          struct cml_error *err)
 {

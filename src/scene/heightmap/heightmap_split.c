@@ -55,8 +55,9 @@ static void bisect(const struct triangle *t, struct triangle half[2])
 
 /* ---- errors ---- */
 
-/* Returns the largest distance between samples and the plane of a triangle whose heights at a, b, c are
- * given. The plane's height at a middle is the mean of the heights at the side's ends. */
+/* Returns the largest vertical distance between the samples in a triangle and the triangle's plane. za, zb,
+ * zc: heights of the corners a, b, c. depths: how many times the triangle can be halved. At the middle of a
+ * side the plane's height is the mean of the heights at both ends. */
 static double largest_error(const struct cml_heightmap *map, const struct triangle *t, int depths, double za,
                             double zb, double zc)
 {
@@ -125,6 +126,7 @@ static void square_at(int x, int y, int size, struct triangle half[2])
     half[1] = (struct triangle){low, high, {x, y + size}};
 }
 
+/* Computes the errors of all middles of a heightmap, from the smallest triangles upwards. */
 cml_status cml_split_create(const struct cml_heightmap *map, struct cml_split *split, struct cml_error *err)
 {
     const int cells = (map->nx < map->ny ? map->nx : map->ny) - 1;

@@ -88,8 +88,8 @@ bool cml_tile_rises(const struct cml_heightmap *tile, int64_t i, int64_t j)
     return (wrap(i, tile->nx) + wrap(j, tile->ny)) % 2 == 0;
 }
 
-/* Adds up the triangles' heights by cell. Both triangles of a cell contain the ends of its diagonal, and each
- * contains one of the other corners. */
+/* Computes the mean height of a tile as a sum over its cells. Both triangles of a cell have the two ends of
+ * its diagonal as corners, and each triangle has one of the cell's other corners. */
 double cml_tile_mean(const struct cml_heightmap *tile)
 {
     double sum = 0;

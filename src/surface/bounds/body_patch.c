@@ -239,8 +239,9 @@ static bool make_view(const struct neighbour *neighbour, int count, double radiu
     return view->lower <= view->upper;
 }
 
-/* Returns the ball of a view. The planes are moved apart by the margin, and the ball is shrunk by it.
- * steepest = 2 means that no direction is steep enough to cross the surface only once. */
+/* Returns the ball of a view, smaller by CML_CELL_MARGIN than `radius`, with its planes moved apart by this
+ * margin. A direction whose component along the normal exceeds `steepest` crosses the surface at most once; 2
+ * means that no direction is steep enough. */
 static struct cml_body_ball ball_of_view(const struct view *view, double radius)
 {
     const double sine = leg(1, view->cosine) + 1e-3;
@@ -255,9 +256,9 @@ static struct cml_body_ball ball_of_view(const struct view *view, double radius)
     return ball;
 }
 
-/* Returns the best ball around the middle of cell `at`. Among balls with a surface, the best is large and has
- * its planes close together. A ball without a surface is chosen if it is as good. Large balls are tried
- * first, because then few others need to be computed. */
+/* Returns the best ball around the middle of cell `at`. A ball that contains a surface is good if it is large
+ * and its planes are close together. A ball without a surface wins against a ball that is no better. Large
+ * balls are tried first, because few other balls must then be computed. */
 struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patch *patch,
                                       const float *distance, const int *next, const int at[3])
 {

@@ -8,7 +8,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEAST_LEVELS = 5, MOST_LEVELS = CML_HORIZON_MOST_LEVELS }; /* of squares: 16 to 512 cells a side */
+enum {
+    LEAST_LEVELS = 5,
+    MOST_LEVELS = CML_HORIZON_MOST_LEVELS
+};                                /* levels of a map of squares: 16 to 512 cells along a side */
 enum { MOST_RADIAL_LEVELS = 11 }; /* levels of rows: up to 1024 cells; CML_DEPTH_LEVELS of kernels/types.h */
 
 /* Share of a cell by which shapes are widened before their cells are found. Cell numbers up to 1024, computed
@@ -25,7 +28,8 @@ size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
     return map->form == CML_BOUNDS_RADII ? side : side * side;
 }
 
-/* Allocates a map of so many levels. No cell has a depth yet. Returns CML_E_INPUT if memory runs out. */
+/* Allocates a map with the given number of levels. No cell has a depth yet. Returns CML_E_INPUT if memory
+ * runs out. */
 static cml_status allocate(int levels, enum cml_bounds_form form, struct cml_depth_map *map,
                            struct cml_error *err)
 {
@@ -319,6 +323,8 @@ static cml_status cover_tile(const struct cml_heightmap *tile, const int periods
     return CML_OK;
 }
 
+/* Builds the map of a tile: the depths over one or more periods, then the coarser levels, then the horizons.
+ */
 cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_depth_map *map,
                                  struct cml_error *err)
 {
@@ -361,6 +367,8 @@ static void cover_radii(struct cml_depth_map *map, const double *r, const double
     widen_cell(map, cell, 0, last, last);
 }
 
+/* Builds the map of a radial heightfield, with a row of cells from the axis outwards. The last cell extends
+ * to infinity. */
 cml_status cml_depth_map_of_rings(const double *r, const double *z, int n, struct cml_depth_map *map,
                                   struct cml_error *err)
 {

@@ -12,8 +12,8 @@ struct cml_depth_map {
     int levels, size;
     enum cml_bounds_form form; /* CML_BOUNDS_RADII: cells in a row from the axis outwards; else cells in a
                                   square */
-    double corner[2], cell[2]; /* cm; corner from the scene's z axis; cells are squares, except those of a
-                                  tile */
+    double corner[2], cell[2]; /* corner: smallest x and y of the map from the scene's z axis, cm; cell: size
+                                  of a cell, cm, equal along x and y except on a tile */
     size_t cells;              /* number of cells of all levels */
     float *deepest, *highest;  /* [cells] greatest and least z, boundary's frame, cm */
     float *horizon[2];         /* horizons of a mesh (cell_horizon.h), seen from below and from above; NULL

@@ -24,6 +24,7 @@ static size_t all_slots(const struct cml_grid_mesh *grid)
     return slots;
 }
 
+/* Allocates the levels of a grid, each with a quarter of the cells along an axis, until one tile remains. */
 cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid,
                                  struct cml_error *err)
 {

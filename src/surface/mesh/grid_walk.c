@@ -295,6 +295,8 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
     return verdict == MISS && ends_inside && !ends_in_cell ? UNDECIDED : verdict;
 }
 
+/* Walks over the cells below the part of the ray that lies between the mesh's depths. A ray that begins far
+ * away is undecided, and so is a ray from beside the grid that may reach the grid. */
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->centred->upper[0];

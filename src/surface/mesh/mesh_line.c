@@ -10,6 +10,7 @@
 #include <limits.h>
 #include <math.h>
 
+/* Begins to follow a line: sets its starting point, the path's length and empty winding numbers. */
 void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max,
                     struct cml_line_parts *parts)
 {
@@ -167,6 +168,8 @@ static int parts_around(const struct cml_line_parts *parts, double t)
     return parts->more && t >= parts->item[LOT - 1].t ? INT_MAX : around;
 }
 
+/* Ends a pass over the triangles. A union takes passes that collect crossings, look for crossings behind
+ * them, and look for facets beside the line; other meshes take one. */
 bool cml_line_goes_on(struct cml_mesh_line *line)
 {
     struct cml_line_parts *parts = line->parts;
@@ -281,8 +284,8 @@ void cml_line_add(struct cml_mesh_line *line, int primitive)
     add_end(line, primitive, height);
 }
 
-/* True if the line still has the outer plane ahead. A line in the plane counts as moved, as in
- * cml_plane_side. */
+/* True if the line crosses the outer plane ahead of its beginning. A beginning that lies in the plane counts
+ * as moved by an infinitely small amount, as in cml_plane_side. */
 static bool outer_plane_is_ahead(const struct cml_mesh_line *line)
 {
     const double height = line->q->centred->mesh.z_border - line->from[2], uz = line->q->direction[2];

@@ -53,16 +53,17 @@ struct cml_mesh_line {
                         on, cm */
     double from[3];  /* point of the line ahead of the packet by rounding, centred frame; crossings beyond
                         it count as ahead */
-    int winding, winding_ahead;   /* facets crossed upwards minus downwards, by the whole line and ahead */
-    double t;                     /* distance of the first exiting crossing ahead */
-    int primitive;                /* facet of that crossing; -1: none */
-    double entering_distance;     /* distance from the origin to the closest facet with an entering crossing
-                                     ahead, cm */
-    double t_exit;                /* where the line first passes an exiting facet within err_line */
-    double exit_distance;         /* distance between line and facet there, cm */
-    int exit_primitive;           /* that facet; -1: the line is near none */
-    double length;                /* length of the path, cm */
-    bool ends_near_facet;         /* the path ends within err_line of a facet */
+    int winding, winding_ahead; /* facets crossed upwards minus downwards, by the whole line and ahead */
+    double t;                   /* distance of the first exiting crossing ahead */
+    int primitive;              /* facet of that crossing; -1: none */
+    double entering_distance;   /* distance from the origin to the closest facet with an entering crossing
+                                   ahead, cm */
+    double t_exit;              /* where the line first passes an exiting facet within err_line */
+    double exit_distance;       /* distance between line and facet there, cm */
+    int exit_primitive;   /* the exiting facet that t_exit and exit_distance describe; -1: the line comes near
+                             no exiting facet */
+    double length;        /* length of the path, cm */
+    bool ends_near_facet; /* the path ends within err_line of a facet */
     struct cml_line_parts *parts; /* ordered crossings of a union's parts; NULL for other meshes */
 };
 

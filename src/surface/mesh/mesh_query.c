@@ -391,6 +391,7 @@ bool cml_query_is_doubtful(const struct cml_mesh_query *q)
            (q->centred->mesh.unite && (q->primitive >= 0 || q->exclude >= 0));
 }
 
+/* Writes the best crossing of a query to *crossing: its place, its primitive and its normals. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
                      struct cml_mesh_crossing *crossing)
 {

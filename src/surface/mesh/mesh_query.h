@@ -43,7 +43,8 @@ struct cml_mesh_query {
                              facet */
     bool in_doubt;        /* rounding decides the crossing, or the packet comes from the wrong side */
     uint64_t candidate_open_edges,
-        open_edges; /* for the last tested triangle and for the best crossing; see random_number */
+        open_edges; /* sums over edges that the line passes closely, of the last tested triangle and of the
+                       best crossing; 0 if the facets met leave no gap; see random_number */
 };
 
 /* Begins a query. The arguments are those of cml_mesh_surface_hit (kernels/mesh_crossing.h). */

@@ -316,9 +316,9 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
                                                         exact, err_position, crossing);
 }
 
-/* Narrows a stretch of path lengths by a facet close to the line. Returns true if the line leaves the facet
- * behind at its beginning, or if the facet is among those hit at t_hit. Otherwise returns false, and no
- * stretch is known. */
+/* Narrows a stretch, a range of path lengths that have the same answer, by a facet close to the line. Returns
+ * true if the line leaves this facet behind at its beginning, or hits it at t_hit within rounding. Otherwise
+ * returns false: no stretch is then known. */
 static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double margin, double t_hit,
                           struct cml_mesh_stretch *stretch)
 {

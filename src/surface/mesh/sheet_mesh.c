@@ -102,8 +102,8 @@ static float middle_inside(const struct shadow *s, int i, int j)
     return (float)inside;
 }
 
-/* Widens the depths of cell (i, j) by the depths of the facet's plane above the cell, but not beyond the
- * facet's corners. */
+/* Widens the depth range of cell (i, j) to include a facet: the depths of the facet's plane above the cell,
+ * cut off at the facet's lowest and highest corner. */
 static void widen_cell(const struct lists *l, const struct shadow *s, int i, int j)
 {
     struct cml_grid_mesh_level *cells = &l->grid->level[0];
@@ -280,7 +280,8 @@ static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *
     return grid->first ? CML_OK : fail(4 * (double)cells, err);
 }
 
-/* Fills lists and facets. *thin counts facets that are too thin for float. */
+/* Fills the lists of facets of all cells, and the data of each facet. Adds to *thin the number of facets that
+ * are too thin for float. */
 static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *err)
 {
     struct cml_grid_mesh *grid = l->grid;

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Depth from which nodes are divided by number of facets instead of by geometry, so that the depth of the
- * tree has an end. */
+/* Depth in the tree from which nodes are divided by number of facets instead of by geometry. The last 12
+ * levels divide by number, so the depth of the tree has an end. */
 enum { DEEP = CML_TREE_DEPTH - 12 };
 
 extern const struct cml_tree_level cml_tree_base;

@@ -178,7 +178,8 @@ static inline void search_leaf(struct search *s, uint32_t number)
     }
 }
 
-/* Searches the leaves of a node at once, and leaves its nodes for later. */
+/* Searches the leaves of a node that the ray enters, and leaves the child nodes that it enters in *p for
+ * later. */
 static inline void search_node(struct search *s, const struct cml_tree_node *node, struct pending *p)
 {
     const uint32_t entered = enter_node(s, node, p);

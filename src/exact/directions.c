@@ -79,7 +79,8 @@ static int least(int a, int b)
     return a < b ? a : b;
 }
 
-/* Returns the number of directions that stand for the spread light of an interval. */
+/* Returns the number of directions that stand for light with spread directions in one interval between
+ * indices. */
 static int gathered_nodes(int order)
 {
     return least(8 + order / 4, 64);

@@ -35,8 +35,8 @@ static double angle_of(double deflection)
     return 2 * asin(fmin(sqrt(deflection / 2), 1));
 }
 
-/* Adds the integral between two deflections, where the density is smooth. The number of nodes grows with l,
- * because P_l has l / (2 pi) periods per radian. */
+/* Adds to the Legendre moments the integral between two deflections, where the density is smooth. The number
+ * of nodes grows with `count`, because P_l has l / (2 pi) periods per radian. */
 static void add_interval(const struct cml_phase *phase, double low, double high, int count, struct rule *rule,
                          double *moment)
 {

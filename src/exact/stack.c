@@ -167,7 +167,8 @@ static void begin_backed(struct stack *stack, const struct cml_backing_def *back
     for (int j = 0; j < n; j++) stack->below[n * n + j] = 1 - backing->R;
 }
 
-/* Begins with a rough backing; share 0 is the light that its facets keep. */
+/* Begins a stack with a rough backing. Light comes back as its matrix R says, and share 0 is the rest, the
+ * light that the backing's facets keep. */
 static void begin_rough(struct stack *stack, const struct cml_rough_matrices *rough, int n)
 {
     stack->n = n;

@@ -16,7 +16,8 @@ static const int orders[] = {32, 45, 64, 91, 128};
 
 enum { NUM_ORDERS = sizeof orders / sizeof *orders, TERMS_PER_NODE = 2, MOST_DIRECTIONS = 640 };
 
-/* Largest relative change of a response to the last order; the next change would be much smaller. */
+/* Largest relative change of a response between the last two orders. The table is then accurate enough,
+ * because the next change would be much smaller. */
 #define CHANGE 2e-5
 
 /* Returns the number of nodes in an interval of the table. */
@@ -109,8 +110,8 @@ static cml_status converge(const struct cml_medium_def *stack, int num_layers,
                     orders[NUM_ORDERS - 1]);
 }
 
-/* Interpolates the table of one interval from its nodes, which begin at `first` among `count` rays. response:
- * [1 + layers][count]. */
+/* Fills the table of one interval by interpolation from the responses at the interval's nodes, which begin at
+ * number `first` among `count` rays. response: [1 + layers][count]. */
 static void fill_interval(const struct cml_flat_tail *tail, int interval, const double *response, int first,
                           int count, double *table)
 {

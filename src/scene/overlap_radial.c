@@ -180,8 +180,9 @@ static bool find_section(const double *const v[3], struct section *section)
     return ends == 2 && section->s[0] != section->s[1];
 }
 
-/* Compares along half a section; `side` is 1 or -1. Both surfaces are piecewise linear on a line through the
- * axis, so the gap is least at a ring or at an end, and the ends lie on edges. */
+/* Compares the mesh with the heightfield along the half of a section on one side of the axis; `side` is 1 or
+ * -1. Both surfaces are piecewise linear along a line through the axis. Their gap is therefore least at a
+ * ring or at an end of the section. The ends lie on edges, which are compared separately. */
 static void compare_section(const struct comparison *c, const struct section *section, double side)
 {
     const double s_0 = side * section->s[0], s_1 = side * section->s[1];

@@ -170,7 +170,9 @@ static cml_status build(struct builder *b, const struct cml_heightmap_notes *not
 
 /* ---- the notes ---- */
 
-/* Sets the skirt's width. A skirt as wide as its highest step is nowhere steeper than 45 degrees. */
+/* Measures the rim of a heightmap: its mean height, and its largest distance from the mean. Sets the skirt's
+ * width to this distance or to one cell, whichever is larger, so that the skirt is nowhere steeper than 45
+ * degrees. */
 static void note_rim(const struct cml_heightmap *map, struct cml_heightmap_notes *notes)
 {
     const size_t length = rim_length(map);

@@ -88,9 +88,10 @@ static double own_error(const struct cml_split *split, const struct triangle *t,
                          map->h[index_of(map, t->b)], map->h[index_of(map, t->c)]);
 }
 
-/* Updates the error at a triangle's middle. Errors are saturated: the error of a middle is at least that of
- * every middle below it. So one comparison decides whether to stop, and both triangles at a side decide alike
- * [P. Lindstrom and V. Pascucci, Visualization of large terrains made easy, IEEE Visualization 2001]. */
+/* Raises the error at a triangle's middle to its own error, and to the errors of the middles below it. Errors
+ * are thereby saturated: no middle has a smaller error than a middle below it. One comparison then decides
+ * whether to stop halving, and both triangles at a side decide alike [P. Lindstrom and V. Pascucci,
+ * Visualization of large terrains made easy, IEEE Visualization 2001]. */
 static void gather_error(struct cml_split *split, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = split->map;

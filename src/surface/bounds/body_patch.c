@@ -99,9 +99,9 @@ static inline double leg(double hypotenuse, double other)
     return sqrt(cml_larger(0, hypotenuse * hypotenuse - other * other));
 }
 
-/* Computes the range of heights, over a plane through the origin, of the part of a second surface within
- * `distance` of the origin. cosine: of the angle between the two normals. lower, upper: heights of the second
- * surface along its own normal. */
+/* Computes the range of heights, above a plane through the origin, of a second surface within `distance` of
+ * the origin. cosine: cosine of the angle between the normals of plane and surface. lower, upper: range of
+ * heights of the second surface along its own normal. */
 static inline void heights_over(double cosine, double distance, double lower, double upper, double range[2])
 {
     const double nearest = lower > 0 ? lower : (upper < 0 ? -upper : 0);

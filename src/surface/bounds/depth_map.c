@@ -270,8 +270,8 @@ cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_m
 
 /* ---- tiles ---- */
 
-/* Returns how many periods along the axis are about as long as the other axis's period; fewer if that would
- * be too many cells of the tile. */
+/* Returns how many periods of a tile along `axis` the map covers: so many that they are about as long as a
+ * period along the other axis, but fewer if the map would cover too many cells of the tile. */
 static int periods_along(const struct cml_heightmap *tile, int axis)
 {
     const double most_cells = 4194304, ratio = cml_tile_period(tile, 1 - axis) / cml_tile_period(tile, axis);
@@ -279,7 +279,8 @@ static int periods_along(const struct cml_heightmap *tile, int axis)
     return (int)fmax(1, fmin(rint(ratio), most));
 }
 
-/* Allocates the map of a tile: levels as for a square, but without cells around it. */
+/* Allocates the map of a tile. It has as many levels as the map of a mesh with as many triangles, but it
+ * covers only whole periods, without cells around them. */
 static cml_status allocate_period(const struct cml_heightmap *tile, const int periods[2],
                                   struct cml_depth_map *map, struct cml_error *err)
 {
@@ -355,7 +356,8 @@ static double profile_depth(const double *r, const double *z, int n, int i, doub
     return z[i] + (z[i + 1] - z[i]) * ((at - r[i]) / (r[i + 1] - r[i]));
 }
 
-/* Widens a cell by the depths of the profile over a range of radii: at its ends and at the samples inside. */
+/* Extends the depth range of a cell to include the profile between two radii: the profile's depths at both
+ * radii and at the samples between them. */
 static void cover_radii(struct cml_depth_map *map, const double *r, const double *z, int n, double from,
                         double to, int cell)
 {

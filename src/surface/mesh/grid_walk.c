@@ -202,10 +202,10 @@ static struct range children_of(const struct traversal *w, int level, const int 
     return range;
 }
 
-/* Visits a node over which the ray is in `part`, and surely at `enter`. Skips the node if the ray stays above
- * or below its depths. Otherwise tests the facets of a cell, or traverses a block's children from the place
- * where the ray comes within the block's depths. If that place lies on a border between children, the
- * traversal starts at `enter`. */
+/* Visits a node, over which the ray is along `part`, and surely at the distance `enter`. Skips the node if
+ * the ray stays above or below the depths of its facets. In a cell, tests all listed facets. In a block,
+ * walks through the children, from the place where the ray comes within the block's depths. If this place
+ * lies on a border between children, the walk starts at `enter`. */
 static enum verdict visit_node(const struct traversal *w, int level, const int node[2], double enter,
                                struct interval part)
 {

@@ -372,8 +372,9 @@ bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const doub
                       memcmp(&hit, &least_hit, offsetof(struct cml_mesh_crossing, ends_near_facet)) == 0);
 }
 
-/* Returns the grid for vector loops. They cannot use the cells of a tile, which belong to one copy, nor
- * normals that vary within a facet. They index eight times the number of a cell in 32 bits. */
+/* Returns the grid that vector loops can use, or NULL. They cannot use the cells of a tile, which belong to
+ * one copy of the period, nor normals that vary within a facet. They compute eight times a cell's number in
+ * 32 bits, so a grid of 2^27 cells is too large. */
 const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
                                                   const struct cml_centred_mesh **centred)
 {

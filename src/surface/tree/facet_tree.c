@@ -134,8 +134,8 @@ static void find_box(const struct builder *b, struct group *group)
     for (size_t i = 0; i < group->count; i++) cml_facet_box_widen(&group->box, &b->box[group->first + i]);
 }
 
-/* Returns the child to divide next: the largest child that is not small enough for a leaf; -1 if there is
- * none. */
+/* Returns the number of the child to divide next: the largest that has more facets than a leaf holds; -1 if
+ * there is none. The measure is the area of the child's box, and below depth DEEP its number of facets. */
 static int choose(const struct group *child, int children, int depth)
 {
     int largest = -1;

@@ -210,7 +210,7 @@ static void search_tree(struct search *s)
     }
 }
 
-/* Begins a search with an answer without facets. */
+/* Prepares a search of the tree for one ray: no crossing yet, and an answer without facets. */
 static void begin(const struct cml_facet_tree *tree, const struct cml_tree_ray *ray, struct search *s,
                   struct cml_tree_answer *answer)
 {

@@ -30,8 +30,8 @@ static int lock_file(int file)
     return errno == EACCES ? EAGAIN : errno;
 }
 
-/* True if the path still names the locked file. The previous holder of the lock removes the file, so it may
- * be gone. */
+/* True if the path still names the locked file. The process that held the lock before removes the file, so
+ * the path may name another file or none. */
 static bool still_stands(int file, const char *path)
 {
     struct stat mine, there;

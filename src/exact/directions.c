@@ -109,7 +109,7 @@ static void add_gathered(struct cml_directions *to, const struct cml_exact_light
     for (int i = 0; i < count; i++) add_direction(to, above, cml_exact_node(low, high, count, i), 0);
 }
 
-/* Adds all directions. Those of beams come before the first interval that ends beyond their s. */
+/* Adds all directions. The directions of beams come before the first interval that ends beyond their s. */
 static void add_all(struct cml_directions *to, const double *index, int distinct, double n0,
                     const struct cml_exact_light *light, int order, double *x, struct cml_exact_ray *gathered)
 {

@@ -28,12 +28,13 @@ struct search {
     bool *spreads;
     /* [num_layers + 1] walks at each boundary for one order; zeroed where smooth */
     struct cml_rough_response *walked;
-    struct cml_stack_rough rough; /* matrices chosen from `walked`: those of all walks, or of a part */
-    double *history[3];           /* all shares of the last three orders, the newest first */
-    double *spread; /* [count] standard errors of the newest shares by walks, then [count] scratch */
-    double defect;  /* difference between 1 and the sum of the newest shares */
-    double spent;   /* work done, in multiplications */
-    bool enough;    /* the next order would have been too much work */
+    struct cml_stack_rough
+        rough; /* matrices chosen from `walked`: the means over all walks, or one part of the walks */
+    double *history[3]; /* all shares of the last three orders, the newest first */
+    double *spread;     /* [count] standard errors of the newest shares by walks, then [count] scratch */
+    double defect;      /* difference between 1 and the sum of the newest shares */
+    double spent;       /* work done so far, in multiplications */
+    bool enough;        /* the next order would have been too much work */
 };
 
 /* Estimates the work of one order in multiplications. Nearly all of it are matrix products in power series
@@ -185,8 +186,8 @@ static cml_status raise_order(struct search *search, int order, struct cml_error
 }
 
 /* Returns the weight of a share's error: by how much a share exp(-depth) changes per relative change of its
- * optical depth, plus the share itself. Errors of large shares count absolutely, those of small ones nearly
- * relatively. */
+ * optical depth, plus the share itself. The error of a large share then counts absolutely, and the error of a
+ * small share nearly relatively. */
 static double weight_of(double share)
 {
     return share > 0 && share < 1 ? share * (1 - log(share)) : share > 0;
@@ -232,8 +233,8 @@ void cml_exact_clear(struct cml_exact *exact)
     *exact = (struct cml_exact){0};
 }
 
-/* Checks the work of the first three orders, without which there is no error estimate, before any of it is
- * done. */
+/* Sets search->enough if the first three orders, without which there is no estimate of errors, are too much
+ * work. Does so before any of this work is done. */
 static cml_status look_ahead(struct search *search, struct cml_error *err)
 {
     double sum = 0;

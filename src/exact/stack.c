@@ -206,7 +206,7 @@ static void end_block(struct stack *stack)
            (size_t)stack->rows * (size_t)stack->n * sizeof *block->share);
 }
 
-/* Builds the stack from below: boundary and layer in turn, up to boundary 0. */
+/* Builds the stack of layers from below up to boundary 0, a boundary and a layer in turn. */
 static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                         const struct cml_stack_rough *rough, const struct cml_directions *directions,
                         int terms, struct stack *stack, struct cml_error *err)

@@ -27,8 +27,8 @@ static int nodes_of(const struct cml_flat_tail *tail, int interval)
     return 12 + (int)ceil(24 * acos(share) / (CML_PI / 2));
 }
 
-/* Fills tail->index with the different indices, from the level's medium down, that are no larger than that of
- * the level's medium. */
+/* Fills tail->index with the different refractive indices from the level's medium down. Leaves out indices
+ * larger than the index of the level's medium. */
 static void find_intervals(const struct cml_medium_def *media, int count, struct cml_flat_tail *tail)
 {
     for (int m = 0; m < count; m++)

@@ -73,8 +73,8 @@ void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3],
 /* A callback of cml_boxtree_closest. Returns the square of the distance of triangle i from p. */
 typedef double cml_boxtree_square(const void *context, uint32_t i, const double p[3]);
 
-/* Finds the triangle closest to p: sets *i to its number and returns the square of its distance. On entry *i
- * is a guess of that number, or 0. */
+/* Finds the triangle closest to p. Sets *i to the triangle's number and returns the square of its distance.
+ * On entry *i is a guess of the number, or 0. */
 double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
                            const void *context, uint32_t *i);
 

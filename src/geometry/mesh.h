@@ -42,7 +42,7 @@ struct cml_mesh {
     double lower[3], upper[3]; /* bounding box, cm */
     enum cml_normals normals;
     bool closed; /* set before cml_mesh_prepare: the mesh is a body without a border, not a sheet */
-    bool unite;  /* set before cml_mesh_prepare, for a body: its inside is the union of the insides of its
+    bool unite;  /* set before cml_mesh_prepare, for a body whose inside is the union of the insides of its
                     parts; cleared if there is only one part */
     size_t num_parts; /* number of parts of a body, which are closed surfaces without a common corner; 0 for a
                          sheet */

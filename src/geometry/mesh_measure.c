@@ -100,8 +100,8 @@ static size_t list_lengths(const struct cml_mesh *mesh, double *lengths)
     return count;
 }
 
-/* Finds the median and the smallest edge. The median tells how fine a mesh is even if it has a few
- * needles. */
+/* Finds the median and the smallest edge of a mesh. The median tells how fine a mesh is even if it has a few
+ * triangles far longer than wide. */
 static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
 {
     double *lengths = malloc((3 * mesh->num_triangles + mesh->num_border) * sizeof *lengths);

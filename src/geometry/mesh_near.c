@@ -41,7 +41,8 @@ static size_t list_corners(const struct cml_mesh_work *work, size_t num_edges, s
     return count;
 }
 
-/* Notes the distance of two corners if it is at most `most`, cm. The two ends of one edge are exempt. */
+/* Lowers a->nearest and b->nearest to the distance of two corners if it is at most `most`, cm. Skips two
+ * corners that are the same vertex or the ends of one edge. */
 static void compare_pair(const struct cml_mesh *mesh, struct corner *a, struct corner *b, double most)
 {
     double way[3];

@@ -279,7 +279,8 @@ void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
     compare_surfaces(a, b, overlap);
 }
 
-/* Compares vertices first: this is cheap, and it finds the depth, which makes a better message. */
+/* Compares two sheets. Vertices come first, because they are cheap to compare and because the message then
+ * gives the depth of the overlap. */
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
 {

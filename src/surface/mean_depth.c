@@ -40,8 +40,8 @@ struct relief {
                             the plane */
 };
 
-/* Measures the part of boundary b that is not level. A boundary represented by a plane has no such part: area
- * 0. */
+/* Measures the part of boundary b that is not level. A boundary represented by a plane has no such part, and
+ * gets the area 0. */
 static cml_status find_relief(const struct cml_scene *scene, const struct cml_surface_set *set, int b,
                               const struct cml_surface_options *options, struct relief *relief,
                               struct cml_error *err)

@@ -224,7 +224,7 @@ static void number_vertices(const struct rings *rings, struct cml_mesh *mesh)
     }
 }
 
-/* Allocates the mesh's arrays for so many triangles. Returns CML_E_INPUT if memory runs out. */
+/* Allocates the mesh's arrays for the given number of triangles. Returns CML_E_INPUT if memory runs out. */
 static cml_status allocate(struct cml_mesh *mesh, size_t triangles, struct cml_error *err)
 {
     const size_t vertex_bytes = mesh->num_vertices * sizeof *mesh->vertex;

@@ -210,7 +210,8 @@ static void find_hosts(struct placing *p, const struct cml_boxtree *tree, size_t
     }
 }
 
-/* Compares the solids of one layer, to find their hosts, or those of one host, to find contacts. */
+/* Compares the bodies of one layer, to find the smallest body around each; or the bodies of one host, to
+ * refuse bodies that meet. */
 static cml_status compare_range(struct placing *p, size_t count, bool hosts)
 {
     struct cml_boxtree *tree;

@@ -93,9 +93,9 @@ static void icosahedron(double corner[12][3], uint32_t face[20][3])
             }
 }
 
-/* Places a vertex of a face: i parts away from the face's first corner, j of them towards the third. Sums run
- * in the order of the corners' numbers, which every face lists rising. So faces that share an edge compute
- * the same bits there. */
+/* Places a vertex of a face: i parts away from the face's first corner, j parts towards the third corner.
+ * Sums run in the order of the corners' numbers, which rise in every face. Faces that share an edge therefore
+ * compute the same bits on it. */
 static void place_on_face(const double corner[12][3], const uint32_t face[3], int n, int i, int j,
                           const struct cml_scene_body *body, double out[3])
 {

@@ -13,9 +13,11 @@
 #define MOST_CELLS 8192                /* cells of a layer: 256 KiB, for a core's cache beside all else */
 #define MOST_OF_ALL (512 * MOST_CELLS) /* cells of all layers: 128 MiB */
 #define CELLS_PER_MFP 8
-#define BAND 1      /* whole cells around the box of a body or triangle whose distances are computed */
-#define BEYOND 1.5f /* cells; the middles of all other cells are at least so far away */
-#define PAD 2       /* cells around the box of all bodies */
+#define BAND 1 /* whole cells around the box of a body or triangle whose distances are computed */
+/* A distance in cells: the middle of a cell outside the band of a body or triangle is at least so far away
+ * from it. */
+#define BEYOND 1.5f
+#define PAD 2 /* cells around the box of all bodies */
 /* Smallest size of a cell, in roundings of the largest coordinate. CML_CELL_MARGIN of a cell is then eight
  * roundings. A packet's place, its path and the grid's corner need one or two of these each. */
 #define LEAST_ROUNDINGS (8 / CML_CELL_MARGIN)
@@ -108,8 +110,8 @@ static double distance_to(const struct part *part, const double p[3])
     return cml_vec3_length(closest);
 }
 
-/* Notes a part's distance from the middle of a cell and, if the part may pass the cell, adds it to the cell's
- * patch. */
+/* Lowers the distance of a cell's middle from the closest surface to that of a part (a body or a facet). Adds
+ * the part to the cell's patch if the part may pass the cell. */
 static void fill_cell(struct filling *f, const struct part *part, int x, int y, int z)
 {
     double middle[3];

@@ -19,7 +19,7 @@
 
 /* The surfaces that come within CML_CELL_REACH of the middle of a cell. */
 struct cml_body_patch {
-    int body;            /* number of the only body there, CML_PATCH_NONE or CML_PATCH_MIXED */
+    int body; /* number of the only body whose surface comes near, or CML_PATCH_NONE or CML_PATCH_MIXED */
     double normal[3];    /* unit vector, outwards: the mean of the surface's normals */
     double lower, upper; /* heights of the two planes over the middle, along `normal`, cells */
     double cosine;       /* cosine of the greatest angle between `normal` and a normal of the surface */

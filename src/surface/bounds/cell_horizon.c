@@ -27,8 +27,8 @@ struct view {
     const float *reach;       /* [size][size] how far the mesh reaches towards the packet above each cell,
                                  cm */
     float *far_one, *far_two; /* [size][size] furthest reach of cells one and two cells away, cm */
-    float *steepest, *nearby; /* [size][size] steepest: slope of the steepest facet above a cell; nearby: the
-                                 same maximum over the cell and the cells that touch it */
+    float *steepest, *nearby; /* [size][size] steepest: slope of the steepest facet above a cell; nearby:
+                                 slope of the steepest facet above the cell and the cells that touch it */
 };
 
 /* Returns the number of a cell in a level of `size` rows and columns. */

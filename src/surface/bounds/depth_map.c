@@ -135,8 +135,8 @@ static struct triangle_plane plane_of(const double p[3], const double q[3], cons
     return t;
 }
 
-/* Widens a cell by the depths of a triangle over it: depths of its plane there, limited to its box. Notes the
- * triangle's slope, too. */
+/* Extends the depth range of a cell by the depths of a triangle's plane over the cell, limited to the
+ * triangle's own depths. Notes the triangle's slope, too. */
 static void cover_cell(struct cml_depth_map *map, const struct triangle_plane *t, int ix, int iy,
                        float *steepest)
 {
@@ -168,8 +168,8 @@ static void clip_edge(const double *p, const double *q, double from, double to, 
     }
 }
 
-/* Widens all cells that a triangle reaches, row by row. The cells of its box would be a thousand times as
- * many for an oblique needle. */
+/* Extends the depth ranges of all cells that a triangle reaches, row by row. An oblique, thin triangle
+ * reaches a thousandth of the cells of its box. */
 static void cover_triangle(struct cml_depth_map *map, const struct triangle_plane *t, const double *corner[3],
                            float *steepest)
 {
@@ -305,8 +305,8 @@ static void cover_if_inside(struct cml_depth_map *map, const double *corner[3], 
     cover_triangle(map, &t, corner, steepest);
 }
 
-/* Widens the map by all cells of the tile in it, and one more cell on each side. Only one row at a time has
- * triangles, to save memory. */
+/* Extends the depth ranges of the map by all cells of the tile that lie over the map, and by one more cell on
+ * each side. Only one row of cells at a time is made into triangles, to save memory. */
 static cml_status cover_tile(const struct cml_heightmap *tile, const int periods[2],
                              struct cml_depth_map *map, float *steepest, struct cml_error *err)
 {

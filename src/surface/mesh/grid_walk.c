@@ -31,7 +31,7 @@ struct axis {
     double inverse; /* 1 / speed, cm per cell or step, signed */
 };
 
-/* The data that stay the same from node to node. */
+/* The data of one walk that do not change from node to node. */
 struct traversal {
     const struct cml_grid_mesh *grid;
     struct cml_mesh_query *q;

@@ -111,7 +111,7 @@ static void add_to_lot(struct cml_line_parts *parts, const struct cml_line_cross
     parts->item[i] = *crossing;
 }
 
-/* Counts a crossing for all crossings of the same part in the lot that lie before it. */
+/* Adds the direction of a crossing to `around` of all crossings of its part that lie before it in the lot. */
 static void look_behind(struct cml_line_parts *parts, const struct cml_line_crossing *crossing)
 {
     for (int i = 0; i < parts->count; i++)

@@ -55,11 +55,11 @@ struct cml_mesh_line {
                         it count as ahead */
     int winding, winding_ahead; /* facets crossed upwards minus downwards, by the whole line and ahead */
     double t;                   /* distance of the first exiting crossing ahead */
-    int primitive;              /* facet of that crossing; -1: none */
+    int primitive;              /* facet of the first exiting crossing; -1: none */
     double entering_distance;   /* distance from the origin to the closest facet with an entering crossing
                                    ahead, cm */
     double t_exit;              /* where the line first passes an exiting facet within err_line */
-    double exit_distance;       /* distance between line and facet there, cm */
+    double exit_distance;       /* distance between the line and this facet at t_exit, cm */
     int exit_primitive;   /* the exiting facet that t_exit and exit_distance describe; -1: the line comes near
                              no exiting facet */
     double length;        /* length of the path, cm */

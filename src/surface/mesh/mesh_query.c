@@ -88,9 +88,9 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
     return is_ahead(q, *t, along);
 }
 
-/* Keeps a hit if it is the best so far. Several facets share a crossing on their common edge or vertex, at
- * the same place except for rounding. Its normal is the sum over all of them, and its place is that of the
- * facet with the lowest number, so that the order of finding them does not matter. */
+/* Keeps a hit if it is the best so far. Facets with a common edge or vertex share a crossing there, at the
+ * same place except for rounding. The crossing's normal is the sum of the facets' normals. Its place is
+ * computed with the facet of the lowest number, so that the order of finding facets does not matter. */
 void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
 {
     const bool on_edge = weight[0] < err_weight || weight[1] < err_weight || weight[2] < err_weight;

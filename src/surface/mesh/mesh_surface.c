@@ -24,11 +24,12 @@ typedef struct RTCIntersectContext query_context;
 
 struct cml_mesh_surface {
     struct cml_centred_mesh centred;
-    _Atomic ssize_t embree_bytes;       /* counted by Embree's threads */
-    RTCScene boxes;                     /* Embree's boxes around triangles; the triangles are tested in
-                                           double */
-    struct cml_grid_mesh grid;          /* cells that a query walks, for a sheet */
-    struct cml_facet_tree tree;         /* searched if there are no cells; without nodes: not used */
+    _Atomic ssize_t embree_bytes; /* counted by Embree's threads */
+    RTCScene boxes;               /* Embree's boxes around triangles; the triangles are tested in
+                                     double */
+    struct cml_grid_mesh grid;    /* cells that a query walks, for a sheet */
+    struct cml_facet_tree
+        tree; /* tree that is searched if the mesh has no cells; a tree without nodes is not used */
     const struct cml_tree_level *level; /* the tree's search for this processor */
     struct cml_safe_map map;            /* safe distances for a mesh with a tree; without distances: not
                                            used */

@@ -41,8 +41,8 @@ struct cml_tile_path {
     int leaving;                          /* axis along which the segment leaves the mesh at `to`; -1: the
                                              path ends before */
     double origin[3];                     /* where the segment begins, moved by whole periods */
-    int exclude;                          /* triangle of the mesh on which the packet stands there */
-    int segments;                         /* number of segments so far, including this one */
+    int exclude;  /* triangle of the mesh on which the packet stands at `origin`, or -1 or CML_NEAR_FACETS */
+    int segments; /* number of segments so far, including this one */
 };
 
 /* Finds the first segment. Returns false if the ray does not come between the depths low and high, which

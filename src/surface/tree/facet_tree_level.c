@@ -133,7 +133,8 @@ static inline uint32_t test_leaf(const struct search *s, const struct cml_tree_l
     return cml_group_equal(tested->passed, 0);
 }
 
-/* Adds a facet in doubt. least: its smallest possible distance. Blurs the answer if there are too many. */
+/* Adds a facet to the list of facets in doubt, which must be tested in double. least: its smallest possible
+ * distance. If the list is full, the answer becomes blurred: all facets must be tested. */
 static void add_doubt(struct search *s, int facet, float least)
 {
     struct cml_tree_answer *answer = s->answer;
@@ -145,7 +146,8 @@ static void add_doubt(struct search *s, int facet, float least)
     answer->doubt[answer->doubts++] = facet;
 }
 
-/* Adds a sure crossing. The nearer one of it and the one before remains; the other becomes a doubt. */
+/* Compares a sure crossing with the nearest one so far. The nearer of the two remains the nearest; the other
+ * one becomes a doubt. */
 static void add_sure(struct search *s, int facet, float t, float err)
 {
     if (!(t < s->t)) {

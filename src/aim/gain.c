@@ -17,7 +17,8 @@ double cml_windows_power(double worth)
  * windows. Windows gain nothing where more than 5e-3 of the light arrives. */
 double cml_gain_below(double worth)
 {
-    /* V / log(V)^2 is smallest at e^2 = 7.4; for smaller V the formula would rise again. */
+    /* V / log(V)^2 is smallest at V = e^2 = 7.4. For smaller V the formula would rise again, so the gain is 2
+     * there. */
     const double V = 0.008 / worth, least = 7.4;
     if (!(worth < 5e-3)) return 0;
     return V > least ? V / pow(log(V), 2) : 2;

@@ -149,9 +149,9 @@ static void start(struct work *w, double h, struct cml_layer_response *to)
     }
 }
 
-/* Doubles a layer: puts an equal one below it; e is `through`. With X = (1 - RR)^-1 - 1, the light between
- * the two is W = (1 + X) R T upwards and (1 + X) T = e + B downwards, where B = U + eX + X U. T becomes e +
- * eU + eB + U B, and R grows by T W. */
+/* Doubles a layer: puts an equal layer below it. e is `through`, and X = (1 - R R)^-1 - 1. The light between
+ * the two layers is W = (1 + X) R T upwards and (1 + X) T = e + B downwards, where B = U + e X + X U. T
+ * becomes e + e U + e B + U B, and R grows by T W. */
 static void double_layer(struct work *w, struct cml_layer_response *to)
 {
     const int n = w->n;

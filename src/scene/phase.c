@@ -75,12 +75,11 @@ static double table_mean(const struct cml_phase *phase)
     return 1 - sum;
 }
 
+/* ---- closed forms ---- */
+
 /* Returns the share of light that Henyey and Greenstein's function scatters below the deflection x = 1 -
  * cosine. With a = 1 - g and b = sqrt(a^2 + 2 g x) the share is (1 - g^2) / (2 g) (1 / a - 1 / b). The code
- * avoids this difference, which cancels for small g. */
-
-/* Returns Henyey and Greenstein's share below the deflection x. With a = 1 - g and b = sqrt(a^2 + 2 g x) it
- * is (1 - g^2) / (2 g) (1 / a - 1 / b), computed without that difference. */
+ * avoids this difference, in which digits cancel for small g or x. */
 static double hg_below(double g, double x)
 {
     const double a = 1 - g, b = sqrt(a * a + 2 * g * x);

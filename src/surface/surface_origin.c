@@ -112,8 +112,8 @@ static cml_status require_part(struct requirements *all, const struct part *part
 }
 
 /* Requires that single precision resolves the spacing of a tile's heights where each beam meets the tile.
- * Light spreads over a tile away from any origin, and meets the tile wherever it is. Coarser steps than for a
- * mesh, which lies in one place, are therefore enough. */
+ * Steps may be coarser than for a mesh, which lies in one place: light spreads over a tile away from any
+ * origin, and meets the tile everywhere. */
 static cml_status require_tile(struct requirements *all, int b, struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;

@@ -70,9 +70,9 @@ static double segments_of_ring(const struct rings *rings, int i, double needle)
     return segments;
 }
 
-/* True if, seen from above, the polygons of rings i and i + 1 keep half of the distance of their circles
- * wherever they come closest. Polygons with different numbers of vertices bulge differently, so narrow rings
- * could otherwise fold over. */
+/* True if the strip between rings i and i + 1 is open: seen from above, their polygons keep at least half of
+ * the distance between their circles. Polygons with different numbers of vertices bulge differently, so the
+ * strip between close rings could otherwise fold over. */
 static bool strip_is_open(const struct rings *rings, int i)
 {
     const double *r = rings->radial->r, *n = rings->segments;
@@ -83,8 +83,8 @@ static bool strip_is_open(const struct rings *rings, int i)
     return outer - inner >= 0.5 * (r[i + 1] - r[i]);
 }
 
-/* Doubles the vertices of the coarser ring of a strip until the strip is open. Returns true if a ring
- * changed. */
+/* Doubles the number of vertices of the coarser ring of a strip until the strip does not fold over
+ * (strip_is_open). Returns true if a ring changed. */
 static bool open_strip(const struct rings *rings, int i)
 {
     bool changed = false;

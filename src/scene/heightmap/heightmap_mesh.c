@@ -74,8 +74,8 @@ static double rim_mean(const struct cml_heightmap *map)
     return sum / weight;
 }
 
-/* Lists the samples of the rim that merged triangles still use. The skirt begins exactly at these; otherwise
- * slits would open. */
+/* Lists the samples of the rim that merged triangles still use. The skirt's inner vertices are exactly these
+ * samples; otherwise slits would open between map and skirt. */
 static void list_rim(struct builder *b)
 {
     const size_t length = rim_length(b->map);

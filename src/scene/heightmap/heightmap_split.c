@@ -163,7 +163,8 @@ struct walk {
     void *context;
 };
 
-/* Fills `surface` with the heights of a merged triangle at the samples that it covers. */
+/* Fills `surface` with the heights that a merged triangle has at the samples inside it. za, zb, zc: heights
+ * of its corners. */
 static void fill_surface(const struct walk *walk, const struct triangle *t, int depths, double za, double zb,
                          double zc)
 {
@@ -188,8 +189,8 @@ static void keep_triangle(const struct walk *walk, const struct triangle *t, int
     walk->visit(walk->context, corner);
 }
 
-/* Walks down from a triangle. Stops where the error of the middle, and so of every middle below, is within
- * the tolerance. */
+/* Refines a triangle: halves it, and its halves in turn, until the error at the middle is within the
+ * tolerance. The errors at all middles below are then within the tolerance, too. */
 static void refine(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_split *split = walk->split;
@@ -206,8 +207,9 @@ static void refine(const struct walk *walk, const struct triangle *t, int depth)
     for (int i = 0; i < 2; i++) refine(walk, &half[i], depth + 1);
 }
 
-/* Starts from squares of at most 256 x 256 cells. Merged, such a square is 2 triangles instead of 131072, and
- * larger squares would save hardly more. */
+/* Merges the triangles of a heightmap within the tolerance and visits those that remain. Begins with squares
+ * of at most 256 x 256 cells. Merged, such a square is 2 triangles instead of 131072, and larger squares
+ * would save hardly more. */
 void cml_split_walk(const struct cml_split *split, double tolerance, double *surface, cml_split_visit *visit,
                     void *context)
 {

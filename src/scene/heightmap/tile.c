@@ -81,8 +81,9 @@ double cml_tile_height(const struct cml_heightmap *tile, int64_t i, int64_t j)
     return tile->h[wrap(j, tile->ny) * tile->nx + wrap(i, tile->nx)];
 }
 
-/* Diagonals alternate as in the finest triangulation of heightmap_split.c. Across a seam with an odd number
- * of cells they do not. */
+/* Tells which diagonal cuts cell (i, j). Diagonals alternate from cell to cell, as in the finest
+ * triangulation of heightmap_split.c. They do not alternate across a seam between periods with an odd number
+ * of cells. */
 bool cml_tile_rises(const struct cml_heightmap *tile, int64_t i, int64_t j)
 {
     return (wrap(i, tile->nx) + wrap(j, tile->ny)) % 2 == 0;

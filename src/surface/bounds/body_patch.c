@@ -38,8 +38,8 @@ static void add_plane(int body, const double axis[3], double sign, double height
     patch->cosine = 1;
 }
 
-/* Adds a face of a cylinder. If two of its three faces come close, two planes are of no use, and the patch is
- * mixed. */
+/* Adds to a patch the face of a cylinder that comes close: its side or one of its two ends. If two faces come
+ * close, two planes are of no use, and the patch becomes mixed. */
 static void add_cylinder(int body, const struct cml_convex *cylinder, const double from_end[3], double cell,
                          struct cml_body_patch *patch)
 {

@@ -36,8 +36,8 @@ void cml_patch_add_convex(int body, const struct cml_convex *convex, const doubl
  * middle, in cells. */
 void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_patch *patch);
 
-/* Widens the two planes by a facet of a mesh, after the normals of all facets have been added. corner:
- * relative to the middle, in cells. */
+/* Moves the two planes of a patch apart to include a facet of a mesh. The normals of all facets must have
+ * been added before. corner: relative to the middle, in cells. */
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch);
 
 /* The ball of a cell, with the members of struct cml_body_cell in kernels/types.h. body: the only body whose

@@ -14,8 +14,8 @@ enum {
 };                                /* levels of a map of squares: 16 to 512 cells along a side */
 enum { MOST_RADIAL_LEVELS = 11 }; /* levels of rows: up to 1024 cells; CML_DEPTH_LEVELS of kernels/types.h */
 
-/* Share of a cell by which shapes are widened before their cells are found. Cell numbers up to 1024, computed
- * in float, are off by 3e-5. */
+/* Margin by which shapes are widened before their cells are found, as a share of a cell. It exceeds rounding:
+ * cell numbers up to 1024, computed in float, are off by 3e-5. */
 static const double err_cell = 1e-3;
 
 /* Share of a map's extent by which depths are widened. Positions in the map, in float, are off by 6e-8
@@ -54,7 +54,7 @@ void cml_depth_map_clear(struct cml_depth_map *map)
     *map = (struct cml_depth_map){0};
 }
 
-/* Widens the bounds of a cell of level 0 to include the depths least..most, cm. */
+/* Extends the depth range of a cell of level 0 to include the depths least..most, cm. */
 static void widen_cell(struct cml_depth_map *map, int ix, int iy, double least, double most)
 {
     const size_t cell = (size_t)iy * (size_t)map->size + (size_t)ix;

@@ -7,8 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Rays that enter the grid's box further away than this many half widths of the mesh are left to the exact
- * query. There t u would lose too many digits; the exact query moves the ray's origin to the box first. */
+/* Largest distance, in half widths of the mesh, at which a ray may enter the grid's box. A ray that enters
+ * further away is left to the exact query, because t u loses too many digits there. The exact query first
+ * moves the ray's origin to the box. */
 static const double farthest_entry = 16;
 
 /* A traversal begins at the lowest level at which the ray's first and last nodes are less than this many

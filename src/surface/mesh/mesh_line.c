@@ -69,7 +69,8 @@ static double crossing_of(const struct cml_mesh_query *q, int primitive, double 
     return cml_facet_crossing(q->centred, primitive, q->origin, q->direction, least);
 }
 
-/* Takes account of a crossing ahead at distance t. way: +1 upwards, -1 downwards. */
+/* Keeps a crossing ahead at distance t if it is the first exiting one, or the closest entering one. way: +1
+ * upwards, -1 downwards. */
 static void keep_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     if (!is_exiting(line->q, way)) {
@@ -292,8 +293,10 @@ static bool outer_plane_is_ahead(const struct cml_mesh_line *line)
     return height != 0 ? (height > 0) == (uz > 0) : uz < 0;
 }
 
-/* Adds a crossing of the outer plane if the sheet alone does not lead from one side to the other. A line at a
- * small angle to the plane may pass its border a little behind the crossing. */
+/* Adds a crossing of the outer plane if the crossings of the sheet alone do not lead from one side to the
+ * other. If the line goes towards the other side, also tests whether it exits through the plane: at the
+ * crossing and a little behind it, because a line at a small angle to the plane may pass the plane's border
+ * there. */
 static void add_outer_plane(struct cml_mesh_line *line)
 {
     const struct cml_mesh_query *q = line->q;

@@ -22,8 +22,9 @@ static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t 
     return swap ? -w : w;
 }
 
-/* True if an edge product may be 0 except for rounding; rounding.h derives the bound. err_product is a bound
- * for every edge of the mesh, and saves the sums for nearly all edges. */
+/* True if an edge product may differ from 0 only by rounding; rounding.h derives the bound. err_product is a
+ * bound for every edge of the mesh. A product above it needs no bound of its own, which saves sums for nearly
+ * all edges. */
 static bool may_be_zero(const struct cml_mesh_query *q, double product, uint32_t i, uint32_t j)
 {
     if (fabs(product) > q->err_product) return false;
@@ -265,9 +266,9 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
         interpolated_normal(q, crossing->normal);
 }
 
-/* Returns the distance along the query's line to a primitive's plane. It counts from a corner of the facet,
- * not from the centred frame's origin as cml_query_plane_distance does; this is more precise if the packet
- * stands on the plane. */
+/* Returns the distance along the query's line to a primitive's plane. The distance is computed from a corner
+ * of the facet, not from the origin of the centred frame as in cml_query_plane_distance. This is more precise
+ * if the packet stands on the plane. */
 static double distance_to_primitive(const struct cml_mesh_query *q, int primitive)
 {
     const struct cml_mesh *mesh = &q->centred->mesh;
@@ -337,8 +338,8 @@ static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
     return weight[0] < err_weight * sum || weight[1] < err_weight * sum || weight[2] < err_weight * sum;
 }
 
-/* Computes barycentric weights from the areas opposite to the corners. Rounding may put the place beside the
- * facet; a negative area counts as 0. */
+/* Makes the crossing with a primitive the best. Computes its barycentric weights from the areas opposite to
+ * the corners. Rounding may put the place beside the facet; a negative area counts as 0. */
 void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
 {
     double area[3] = {1, 1, 1}, place[3];

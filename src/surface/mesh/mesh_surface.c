@@ -336,12 +336,13 @@ static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double 
     return along > 0 && fabs(t - t_hit) <= reach;
 }
 
-/* Finds the path lengths from p along u that have the same answer. The tree lists the facets close to the
- * line, up to the hit, with its margin enlarged by that of a path that ends near a facet. Each listed facet
- * must either be left behind where the packet stands or be among those hit. Then the answer does not depend
- * on the length of a path that does not end within the margin of such a facet, except in the last bits: a
- * facet behind the hit can make the query compute the hit in another way. Therefore the hits for the shortest
- * and for an infinite path are compared; if they differ, no stretch is known. */
+/* Finds the stretch of path lengths from p along u that have the same answer. The tree lists the facets that
+ * are close to the line before the hit. Its margin is enlarged by the margin of a path that ends near a
+ * facet. Each listed facet must either be left behind where the packet stands or be among the facets hit. The
+ * answer then no longer depends on the path's length, unless the path ends within the margin of such a facet.
+ * Only its last bits may depend on it: a facet behind the hit can make the query compute the hit in another
+ * way. Therefore the hits for the shortest and for an infinite path are compared. If they differ, no stretch
+ * is known. */
 bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                               int below, int exclude, int undeflected, double err_position,
                               struct cml_mesh_stretch *stretch)

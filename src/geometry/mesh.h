@@ -58,8 +58,8 @@ struct cml_mesh {
 /* Frees a mesh's arrays and zeroes it. */
 void cml_mesh_clear(struct cml_mesh *mesh);
 
-/* Allocates memory for so many vertices and triangles; the mesh then has no triangles yet. Clears the mesh if
- * memory runs out. what: name of the mesh for the message. */
+/* Allocates memory for the given numbers of vertices and triangles. The mesh then has no triangles yet.
+ * Clears the mesh if memory runs out. what: name of the mesh for the message. */
 CML_NODISCARD cml_status cml_mesh_allocate(struct cml_mesh *mesh, size_t vertices, size_t triangles,
                                            const char *what, struct cml_error *err);
 

@@ -152,7 +152,8 @@ cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, st
     return cml_fail_memory(err, (double)(media * sizeof *to->media), "a scene");
 }
 
-/* Returns the widest angle of a light. For a table this is the end of the last interval that is not dark. */
+/* Returns the widest angle of a light, rad. The widest angle of a table is the end of its last interval that
+ * is not dark. */
 double cml_light_widest(const struct cml_light *light, double medium_n)
 {
     int last = light->rows - 1;

@@ -12,8 +12,8 @@ struct cml_window_table {
     int layers; /* number of layers, from the top, that the windows cover */
     /* Detector whose light is wanted, from 1; 0: light that comes out below the covered layers. */
     int detector;
-    /* 1, or less if the scene is symmetric about the axis x, y. Then `worth` counts light in a whole ring
-     * about the axis, and this is the share of the ring's area that the detector covers. */
+    /* share of the ring's area that the detector covers, if the scene is symmetric about the axis x, y and
+     * `worth` counts light in a whole ring about this axis; else 1 */
     double share;
     double worth; /* share of the beam's light that reaches the target, in the flat scene */
     /* Share of the light arriving at the detector that lies in its aperture; 1: no aperture. */

@@ -7,10 +7,9 @@
 #include <float.h>
 #include <math.h>
 
-/* Required resolution: so many steps of single precision must fit into the smallest length of a part. Rings
- * need the most, since crossings with cones are roots found in single precision; their length is the width of
- * a ring. FACET is for the sides of facets. LENGTH is for bodies, detectors, bins and the spacing of a tile's
- * heights. */
+/* Number of steps of single precision that must fit into the smallest length of a part. RING: width of a
+ * ring, which needs the most steps, because crossings with cones are roots found in single precision. FACET:
+ * side of a facet. LENGTH: length of a body, a detector or a bin, or spacing of a tile's heights. */
 enum { STEPS_OF_RING = 4096, STEPS_OF_FACET = 256, STEPS_OF_LENGTH = 32 };
 
 /* Returns the largest allowed distance of a part from the origin, cm, for which `steps` steps of single

@@ -107,7 +107,8 @@ static void open_strips(const struct rings *rings)
     }
 }
 
-/* Chooses the vertices of every ring under one rule against needles. Returns the number of triangles. */
+/* Chooses the vertices of every ring so that no arc is longer than `needle` times the width of its ring's
+ * strips (longest_arc). Returns the number of triangles. */
 static double choose_segments(const struct rings *rings, double needle)
 {
     const int n = rings->radial->n;
@@ -119,9 +120,9 @@ static double choose_segments(const struct rings *rings, double needle)
     return triangles;
 }
 
-/* Chooses the vertices of every ring within the budget. The tolerance is always kept. The rule against
- * needles is relaxed beyond NEEDLE_BUDGET triangles. NEEDLE_BUDGET is the same on every machine, so that the
- * same tolerance gives the same mesh everywhere, or none. */
+/* Chooses the vertices of every ring within the budget. The tolerance is always kept. Beyond NEEDLE_BUDGET
+ * triangles, needles (triangles with an arc far longer than their ring's width) are allowed. NEEDLE_BUDGET is
+ * the same on every machine, so that the same tolerance gives the same mesh everywhere, or none. */
 static cml_status plan(const struct rings *rings, const struct cml_mesh_budget *budget, double *triangles,
                        struct cml_error *err)
 {

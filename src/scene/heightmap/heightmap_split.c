@@ -70,8 +70,8 @@ static double largest_error(const struct cml_heightmap *map, const struct triang
     return fmax(here, fmax(first, second));
 }
 
-/* True if a side lies on the rim and is longer than CML_RIM_CELLS. Such a side would be the base of a needle
- * in the skirt. */
+/* True if a side lies on the rim and is longer than CML_RIM_CELLS cells. Such a side would make the skirt's
+ * triangle a needle, far longer than wide. */
 static bool spans_rim(const struct cml_heightmap *map, struct point a, struct point b)
 {
     const bool upright = a.x == b.x && (a.x == 0 || a.x == map->nx - 1);

@@ -190,8 +190,8 @@ static bool reaches_into(const struct neighbour *neighbour, double radius)
     return neighbour->square < (radius + CML_CELL_REACH) * (radius + CML_CELL_REACH);
 }
 
-/* Widens the planes of a view by a neighbour's patch. Two bounds of the patch's heights are intersected: from
- * its range within its own cell, and within the ball. */
+/* Moves the planes of a view apart to include the surface of a neighbour's patch. Two bounds of the surface's
+ * heights are intersected: its range within the neighbour's own cell, and its range within the ball. */
 static void add_heights(const struct neighbour *neighbour, double radius, struct view *view)
 {
     const struct cml_body_patch *patch = neighbour->patch;

@@ -155,7 +155,7 @@ static void cover_cell(struct cml_depth_map *map, const struct triangle_plane *t
     *slope = fmaxf(*slope, t->slope);
 }
 
-/* Widens *lower..*upper by the x range of the part of the edge from p to q that lies in from <= y <= to. */
+/* Extends *lower..*upper to include the range of x of the edge from p to q where from <= y <= to. */
 static void clip_edge(const double *p, const double *q, double from, double to, double *lower, double *upper)
 {
     const double *low = p[1] < q[1] ? p : q, *high = low == p ? q : p, ends[2] = {from, to};
@@ -184,8 +184,8 @@ static void cover_triangle(struct cml_depth_map *map, const struct triangle_plan
     }
 }
 
-/* Widens every cell that is not entirely inside the rectangle by the outer plane at z; all cells if `lower`
- * is NULL. */
+/* Extends the depth range of each cell that is not entirely inside the rectangle to include the outer plane
+ * at z. NULL for `lower`: extends all cells. */
 static void cover_outside(struct cml_depth_map *map, double z, const double lower[2], const double upper[2])
 {
     for (int iy = 0; iy < map->size; iy++)
@@ -212,8 +212,8 @@ static bool fills_its_box(const struct cml_mesh *mesh)
     return fabs(fabs(area) - box) <= 1e-9 * box;
 }
 
-/* Widens the cells by a mesh and its outer plane. steepest: [cells of the horizons' level] zeros on entry;
- * becomes the slope of the steepest facet above each cell. */
+/* Extends the cells' depth ranges to include a mesh and its outer plane. steepest: [cells of the horizons'
+ * level] zeros on entry; becomes the slope of the steepest facet above each cell. */
 static void cover_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map, float *steepest)
 {
     for (size_t i = 0; i < mesh->num_triangles; i++) {

@@ -31,8 +31,9 @@ CML_NODISCARD cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, stru
 CML_NODISCARD cml_status cml_depth_map_of_rings(const double *r, const double *z, int n,
                                                 struct cml_depth_map *map, struct cml_error *err);
 
-/* Builds the map of a tile, whose heights count up from z = 0: over one period, or over so many periods along
- * the shorter axis that the cells are about square. Returns CML_E_INPUT if memory runs out. */
+/* Builds the map of a tile, whose heights count up from z = 0. The map covers one period or, along the
+ * shorter axis of the period, several, so that cells are about square. Returns CML_E_INPUT if memory runs
+ * out. */
 CML_NODISCARD cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_depth_map *map,
                                                struct cml_error *err);
 

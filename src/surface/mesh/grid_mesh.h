@@ -74,7 +74,7 @@ static inline size_t cml_grid_mesh_slots(const struct cml_grid_mesh_level *level
 CML_NODISCARD cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred,
                                                struct cml_grid_mesh *grid, struct cml_error *err);
 
-/* Widens a cell's depths to include least..most (cm, centred frame), rounded outwards. */
+/* Extends a cell's depth range to include the depths least..most (cm, centred frame), rounded outwards. */
 void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, double most,
                                 struct cml_grid_mesh_depths *depths);
 

@@ -12,9 +12,9 @@
  * moves the ray's origin to the box. */
 static const double farthest_entry = 16;
 
-/* A traversal begins at the lowest level at which the ray's first and last nodes are less than this many
- * nodes apart. For a ray over more nodes, a higher level skips blocks that the ray never comes near; for a
- * ray over fewer nodes, descending costs more than skipping saves. */
+/* A walk begins at the lowest level at which the ray's first and last nodes are fewer than most_nodes nodes
+ * apart. For a ray over more nodes, a higher level skips blocks that the ray never comes near. For a ray over
+ * fewer nodes, descending costs more than skipping saves. */
 static const int most_nodes = 3;
 
 /* Stands for 1 / 0 if a ray does not move along an axis: the ray reaches no border there. It is finite, so
@@ -155,9 +155,10 @@ static enum verdict intersect_cell(const struct traversal *w, size_t index, stru
     return HIT;
 }
 
-/* Returns the part in which the ray is between the depths of a node; empty (t_min > t_max) if there is none.
- * Depths are already widened by more than rounding. A node without facets has least > most. Sorting turns
- * these into the full range of depths, so the node is entered and its cells are undecided. */
+/* Returns the part of the ray that lies between the depths of a node's facets; empty (t_min > t_max) if there
+ * is none. The depths are already widened by more than rounding. A node without facets has least > most.
+ * Sorting turns these two into the full range of depths. Such a node is therefore entered, and its cells
+ * leave the answer undecided. */
 static struct interval clip_to_depths(const struct traversal *w, struct cml_grid_mesh_depths depths,
                                       struct interval part)
 {

@@ -82,7 +82,8 @@ static void keep_crossing(struct cml_mesh_line *line, int primitive, int way, do
     }
 }
 
-/* Adds a crossing ahead to the winding number, and takes account of it. */
+/* Adds a crossing ahead to the winding number. Keeps the crossing if it is the first exiting or the closest
+ * entering one. */
 static void add_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     line->winding_ahead += way;
@@ -244,9 +245,9 @@ static void add_exit(struct cml_mesh_line *line, int primitive, double t)
     }
 }
 
-/* Notes if the path ends close to a facet. A packet that interacts near an edge may be beyond the edge, and
- * leave where no line meets a facet, so its next query must know. height: of the facet's plane above the
- * origin, along the facet's normal. */
+/* Sets line->ends_near_facet if the path ends close to this facet. A packet that interacts near an edge may
+ * be beyond the edge, and leave where no line meets a facet; its next query must therefore know. height:
+ * height of the facet's plane above the origin, along the facet's normal. */
 static void add_end(struct cml_mesh_line *line, int primitive, double height)
 {
     const struct cml_mesh_query *q = line->q;
@@ -257,7 +258,8 @@ static void add_end(struct cml_mesh_line *line, int primitive, double height)
     line->ends_near_facet = cml_facet_distance(q->centred, primitive, end) <= line->err_line;
 }
 
-/* Takes account of a facet. The exact side of the facet's plane on which line->from lies tells whether a
+/* Adds a facet to the data of a line: its crossing, if the line meets it, and the places where the path ends
+ * near it or leaves near it. The exact side of the facet's plane on which line->from lies tells whether the
  * crossing is ahead; a rounded distance could not. */
 void cml_line_add(struct cml_mesh_line *line, int primitive)
 {

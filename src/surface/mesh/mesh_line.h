@@ -72,8 +72,8 @@ struct cml_mesh_line {
 void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max,
                     struct cml_line_parts *parts);
 
-/* Takes account of a triangle. Each triangle that the line meets or that lies near the packet must be added
- * once per pass. */
+/* Adds a triangle to the data of a line. Each triangle that the line meets or that lies near the packet must
+ * be added once per pass. */
 void cml_line_add(struct cml_mesh_line *line, int primitive);
 
 /* Ends a pass over the triangles. Returns true if all triangles must be added once more. */

@@ -45,8 +45,9 @@ struct cml_tile_path {
     int segments; /* number of segments so far, including this one */
 };
 
-/* Finds the first segment. Returns false if the ray does not come between the depths low and high, which
- * enclose the mesh by more than rounding. exclude: primitive, -1 or CML_NEAR_FACETS. */
+/* Finds the first segment of a path. Returns false if the ray stays outside the depths from low to high,
+ * which enclose the mesh by more than rounding. exclude: primitive on which the packet stands, or -1 or
+ * CML_NEAR_FACETS. */
 bool cml_tile_begin(const struct cml_mesh_period *period, const double p[3], const double u[3], double t_max,
                     int exclude, double low, double high, struct cml_tile_path *path);
 

@@ -17,7 +17,8 @@ double cml_windows_power(double worth)
  * windows. Windows gain nothing where more than 5e-3 of the light arrives. */
 double cml_gain_below(double worth)
 {
-    /* V / log(V)^2 is smallest at e^2 = 7.4; for smaller V the formula would rise again. */
+    /* V / log(V)^2 is smallest at V = e^2 = 7.4. For smaller V the formula would rise again, so the gain is 2
+     * there. */
     const double V = 0.008 / worth, least = 7.4;
     if (!(worth < 5e-3)) return 0;
     return V > least ? V / pow(log(V), 2) : 2;
@@ -42,12 +43,13 @@ double cml_accepted_by(const struct cml_scene *scene, const struct cml_detector_
     return detector->aimed ? sine * sine * fmax(cos(detector->angle), sine / 5) : 1;
 }
 
-/* Returns the gain of windows for a detector. A plain packet has the relative variance weight / (worth
- * accepted), where `weight` is the mean weight of packets that arrive, weighted by weight. A packet in
- * windows arrives as about most / 3 parts. These parts split late, so each enters the aperture by its own
- * luck, and their time grows with every decade of the worth. The numbers are fitted to six fibres of 0.01 to
- * 0.05 cm at 0.15 to 1 cm on rough skin, each without an aperture and with apertures of 0.5 and 0.22, within
- * a factor of 1.8. With seven other fibres the formula was within a factor of 2.4. */
+/* Returns the gain of windows for a detector: the time of plain packets over the time of packets with
+ * windows, for the same error. A plain packet has the relative variance weight / (worth accepted), where
+ * `weight` is the mean weight of packets that arrive, weighted by weight. With windows, a packet arrives in
+ * about most / 3 parts, where `most` is the largest importance. The parts split late, so each enters the
+ * aperture by its own luck. Their time grows with every decade of the worth. The numbers are fitted to six
+ * fibres of 0.01 to 0.05 cm at 0.15 to 1 cm on rough skin, each without an aperture and with apertures of 0.5
+ * and 0.22, within a factor of 1.8. With seven other fibres the formula was within a factor of 2.4. */
 double cml_gain_at(const struct cml_detector_def *detector, const struct cml_window_table *windows,
                    double weight, double most)
 {

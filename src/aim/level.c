@@ -36,9 +36,10 @@ static struct floor find_floor(const struct cml_scene *scene, const struct cml_s
     return floor;
 }
 
-/* Returns a level in the first layer that continues below the floor. The level lies below the floor by a
- * sixteenth of a mean free path, or of the rest of the layer if that is thinner. This distance keeps rounding
- * from putting a packet beyond the level when the packet has just passed a shape. */
+/* Returns the level in the first layer that reaches below the floor, which is the depth below which the scene
+ * is flat. The level lies below the floor by a sixteenth of a mean free path, or of the rest of the layer if
+ * the rest is thinner. This distance keeps rounding from putting a packet beyond the level when the packet
+ * has just passed a shape. */
 struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct floor floor = find_floor(scene, surfaces);

@@ -55,8 +55,9 @@ static double worth_of_light(const struct cml_scene *scene, const struct cml_med
 
 #define LEAST_WORTH 1e-20
 
-/* Turns importances into windows. Refuses an aim that less than LEAST_WORTH of the light reaches. Windows for
- * a detector use power 1, because little of the light reaches a detector. */
+/* Makes windows from the importance of light at each place. Refuses an aim that less than LEAST_WORTH of the
+ * light reaches. Weights in windows for a detector are proportional to 1 / importance (power 1), because
+ * little of the light reaches a detector. */
 static cml_status fill_windows(const char *aim, const struct cml_scene *scene,
                                const struct cml_medium_def *media, const double *importance,
                                struct cml_window_table *windows, struct cml_error *err)
@@ -204,6 +205,7 @@ static cml_status weigh_plain(const struct cml_scene *scene, const struct cml_me
     return status;
 }
 
+/* Makes the weight windows for light that one detector sees, and estimates their gain. */
 cml_status cml_windows_at(const char *aim, const struct cml_scene *scene,
                           const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                           int number, struct cml_window_table *windows, struct cml_error *err)

@@ -215,7 +215,8 @@ void cml_file_remove_leftovers(const char *path, size_t folder,
     closedir(directory);
 }
 
-/* True if a temporary file was one of this path, and is not the one that is being written. */
+/* True if the temporary file `left`, which was made for the file `name`, is a leftover: it has the path of
+ * the file being written, but is not that file's own temporary file. */
 static bool is_leftover(const void *context, const char *name, const char *left)
 {
     const struct cml_file *file = context;
@@ -303,7 +304,7 @@ static bool same_folder(const char *path, const char *other)
     return slash - path == others - other && strncmp(path, other, (size_t)(slash - path)) == 0;
 }
 
-/* Notes the first failure: sets *status and *err unless an earlier failure has set them. */
+/* Keeps the reason of the first failure: sets *status and *err unless an earlier failure has set them. */
 static void keep_reason(const char *path, int reason, cml_status *status, struct cml_error *err)
 {
     if (reason != 0 && *status == CML_OK) *status = fail_write(path, strerror(reason), err);

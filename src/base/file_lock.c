@@ -1,6 +1,7 @@
 /* Takes and releases lock files. SPDX-License-Identifier: MIT */
 #ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* F_OFD_SETLK: POSIX's own locks end when any descriptor of the file is closed */
+#define _GNU_SOURCE /* makes fcntl.h declare F_OFD_SETLK: a lock that, unlike POSIX's own, does not end when \
+                       another descriptor of the file is closed */
 #endif
 #include "base/file_lock.h"
 
@@ -29,8 +30,8 @@ static int lock_file(int file)
     return errno == EACCES ? EAGAIN : errno;
 }
 
-/* True if the path still names the locked file. The previous holder of the lock removes the file, so it may
- * be gone. */
+/* True if the path still names the locked file. The process that held the lock before removes the file, so
+ * the path may name another file or none. */
 static bool still_stands(int file, const char *path)
 {
     struct stat mine, there;

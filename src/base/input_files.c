@@ -17,8 +17,8 @@ static char *copy_data(const char *data, size_t size)
     return copy;
 }
 
-/* Adds a copy of a file. The entry counts as soon as it exists, even if one of its copies failed, so that
- * cml_inputs_clear frees it. */
+/* Adds a copy of a file to `inputs`. The entry is counted even if one of its copies failed, so that
+ * cml_inputs_clear frees the other copy. */
 static cml_status append(struct cml_inputs *inputs, const char *path, const char *data, size_t size,
                          struct cml_error *err)
 {

@@ -11,7 +11,7 @@ struct cml_setting {
     char name[CML_SETTING_NAME]; /* such as "layer2.mua" */
     const char *value;           /* as written by the user; borrowed */
     const char *source; /* where the value comes from, for messages: "--set" or the table's path; borrowed */
-    int line, column;   /* of the cell in the table, from 1; 0 for --set */
+    int line, column;   /* line and column of the value's cell in the table, from 1; 0 for --set */
 };
 
 /* All settings of a run. Zeroed: no settings. */

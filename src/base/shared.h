@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-/* Starts counting: makes *users a count of one holder, unless it counts already. Returns CML_E_INPUT if
+/* Makes *users a reference count of one holder, unless *users is a count already. Returns CML_E_INPUT if
  * memory runs out. */
 CML_NODISCARD static inline cml_status cml_share_begin(int **users, struct cml_error *err)
 {
@@ -19,13 +19,14 @@ CML_NODISCARD static inline cml_status cml_share_begin(int **users, struct cml_e
     return CML_OK;
 }
 
-/* Adds one holder to the count. */
+/* Adds one holder to the reference count of a shared object. */
 static inline void cml_share(int *users)
 {
     if (users) ++*users;
 }
 
-/* Removes one holder from the count. Returns true for the last holder, who must free the shared object. */
+/* Removes one holder from the reference count of a shared object. Returns true for the last holder, who must
+ * free the object. */
 static inline bool cml_share_end(int *users)
 {
     if (users && --*users > 0) return false;

@@ -10,10 +10,12 @@
  * reason last. */
 #define FIRST_PART 400
 
+/* Writes an error message. A message that is too long for err->text keeps its first FIRST_PART bytes and its
+ * end. */
 cml_status cml_fail(struct cml_error *err, cml_status status, const char *format, ...)
 {
-    /* The message in full length: it holds two paths at least. Static, as a thread's stack may be as small.
-     */
+    /* The whole message, before its middle is cut out. There is room for two paths. The array is static,
+     * because the stack of a thread may be as small as the array. */
     static _Thread_local char whole[16384];
     va_list args;
     va_start(args, format);

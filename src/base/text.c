@@ -188,6 +188,7 @@ char *cml_text_next(struct cml_text *text)
     return line;
 }
 
+/* Returns the next word of a text, and moves *cursor behind it. */
 char *cml_text_word(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, blanks);

@@ -17,7 +17,8 @@ static bool is_full(const struct cml_dense_kind *kind, int i, int *next)
     return full;
 }
 
-/* Adds four rows of b at once, so that c is read and written a quarter as often. */
+/* Adds the product of the row vector a and the matrix b to the row vector c. Four rows of b are added at
+ * once, so that c is read and written a quarter as often. */
 void cml_dense_add_row_product(const struct cml_dense_kind *kind, const double *restrict a,
                                const double *restrict b, double *restrict c)
 {
@@ -80,6 +81,7 @@ static void factorise(const struct cml_dense_kind *kind, double *a)
     }
 }
 
+/* Replaces the matrix b by b a^-1. A row of b that is not full has only its diagonal element. */
 void cml_dense_divide(const struct cml_dense_kind *kind, int more, double *a, double *b)
 {
     const int n = kind->n;

@@ -15,7 +15,7 @@ struct volumes {
     double *border; /* [rings + 1] radii of the borders of rings, cm */
     /* [pieces] thickness, depth of the middle, diffusion coefficient (cm), absorption (1/cm) */
     double *h, *middle, *D, *mua;
-    double longer[2]; /* extra way 2 A at the upper and lower face */
+    double longer[2]; /* extra way 2 A of the upper and of the lower face (longer_by) */
     /* [unknowns][pieces + 1] the part of each row of the symmetric matrix up to its diagonal */
     double *band;
     double *value; /* [unknowns] right-hand side, then solution */
@@ -43,7 +43,8 @@ static void cut_layer(const struct cml_medium_def *medium, double top, double d,
     }
 }
 
-/* Cuts the layers down to `depth` into pieces, and sets the borders of the rings. */
+/* Cuts the layers from the surface down to `depth`, cm, into pieces. Sets the borders of the rings between
+ * the axis and the radius `reach`, cm; rings are narrower near the axis. */
 static void cut(const struct cml_medium_def *media, int layers, double reach, double depth,
                 struct volumes *to)
 {
@@ -165,6 +166,7 @@ static void *doubles(struct cml_arrays *arrays, size_t count)
     return cml_arrays_add(arrays, count, sizeof(double));
 }
 
+/* Computes the importance of light by ring and depth, from the diffusion equation in finite volumes. */
 cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers, struct cml_seen_ring seen,
                                    double reach, double depth, int rings, int cells, double *value,
                                    struct cml_error *err)

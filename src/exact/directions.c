@@ -79,7 +79,8 @@ static int least(int a, int b)
     return a < b ? a : b;
 }
 
-/* Returns the number of directions that stand for the spread light of an interval. */
+/* Returns the number of directions that stand for light with spread directions in one interval between
+ * indices. */
 static int gathered_nodes(int order)
 {
     return least(8 + order / 4, 64);
@@ -108,7 +109,7 @@ static void add_gathered(struct cml_directions *to, const struct cml_exact_light
     for (int i = 0; i < count; i++) add_direction(to, above, cml_exact_node(low, high, count, i), 0);
 }
 
-/* Adds all directions. Those of beams come before the first interval that ends beyond their s. */
+/* Adds all directions. The directions of beams come before the first interval that ends beyond their s. */
 static void add_all(struct cml_directions *to, const double *index, int distinct, double n0,
                     const struct cml_exact_light *light, int order, double *x, struct cml_exact_ray *gathered)
 {
@@ -209,6 +210,7 @@ static cml_status allocate(int num_media, int most, struct cml_directions *to, s
     return status;
 }
 
+/* Makes the directions of a stack: nodes between the indices of its media, each with its weights. */
 cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers, const bool *spreads,
                                  const struct cml_exact_light *light, int order, struct cml_directions *to,
                                  struct cml_error *err)

@@ -7,19 +7,20 @@
  *                       |\ a2
  *     medium 2, n2      | \
  *
- * Both s and the etendue s ds stay the same in all media. So one set of values of s serves the whole stack,
- * and smooth boundaries do not mix directions. Between two neighbouring indices of the stack the response to
- * light is a smooth function of s; at s = n_m medium m begins to reflect totally. So each interval between
- * indices has Gauss-Legendre nodes of its own, in the cosine in the medium whose index ends the interval.
- * With one index this is double-Gauss quadrature (Sykes 1951). SPDX-License-Identifier: MIT */
+ * Both s and the etendue s ds stay the same in all media. One set of values of s therefore serves the whole
+ * stack, and smooth boundaries do not mix directions. Between two neighbouring indices of the stack the
+ * response to light is a smooth function of s; at s = n_m medium m begins to reflect totally. Each interval
+ * between indices therefore has Gauss-Legendre nodes of its own, in the cosine in the medium whose index ends
+ * the interval. With one index this is double-Gauss quadrature (Sykes 1951). SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/array.h"
 #include "exact/dense.h"
 #include "exact/light.h"
 
-/* The directions of a stack, in the order of s. Some have no weight: light is scattered out of them, but not
- * into them. These are the directions of beams, and those that stand for light with spread directions. In
+/* The directions of a stack of layers, in the order of s, the index times the sine of the angle to the z
+ * axis. Light is scattered into directions with weight. Directions without weight carry only the light of
+ * beams, or stand for light with spread directions: light is scattered out of them, but not into them. In
  * medium m the first live[m] directions contain light: those with s < n_m that light can reach. */
 struct cml_directions {
     struct cml_arrays arrays;
@@ -27,7 +28,8 @@ struct cml_directions {
     double *index;   /* [count] index of the medium to which the cosine refers */
     double *cosine;  /* [count] cosine of the angle to the z axis in a medium of this index */
     double *etendue; /* [count] quadrature weight of integrals over s ds; 0: no weight */
-    /* [count] share of the incident light, 1 in sum; shares of spread light may be negative */
+    /* [count] share of the incident light in each direction; the sum is 1; shares that stand for light with
+     * spread directions may be negative */
     double *light;
     int *live;                   /* [num_media] number of directions that contain light in each medium */
     int num_weighted, *weighted; /* [num_weighted] numbers of the directions with weight, rising */

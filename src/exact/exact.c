@@ -28,12 +28,13 @@ struct search {
     bool *spreads;
     /* [num_layers + 1] walks at each boundary for one order; zeroed where smooth */
     struct cml_rough_response *walked;
-    struct cml_stack_rough rough; /* matrices chosen from `walked`: those of all walks, or of a part */
-    double *history[3];           /* all shares of the last three orders, the newest first */
-    double *spread; /* [count] standard errors of the newest shares by walks, then [count] scratch */
-    double defect;  /* difference between 1 and the sum of the newest shares */
-    double spent;   /* work done, in multiplications */
-    bool enough;    /* the next order would have been too much work */
+    struct cml_stack_rough
+        rough; /* matrices chosen from `walked`: the means over all walks, or one part of the walks */
+    double *history[3]; /* all shares of the last three orders, the newest first */
+    double *spread;     /* [count] standard errors of the newest shares by walks, then [count] scratch */
+    double defect;      /* difference between 1 and the sum of the newest shares */
+    double spent;       /* work done so far, in multiplications */
+    bool enough;        /* the next order would have been too much work */
 };
 
 /* Estimates the work of one order in multiplications. Nearly all of it are matrix products in power series
@@ -88,7 +89,9 @@ static double specular(const struct search *search, const struct cml_directions 
     return sum;
 }
 
-/* Computes all shares for one order, with the matrices that search->rough selects. value: [count] */
+/* Computes all shares of the incident light with one order of the quadrature. search->rough holds the
+ * matrices of the rough boundaries. value: [CML_EXACT_LAYERS + num_layers], indices as in enum
+ * cml_exact_share. */
 static cml_status solve_shares(struct search *search, const struct cml_directions *directions, int order,
                                double *value, struct cml_error *err)
 {
@@ -163,7 +166,8 @@ static cml_status walk_boundaries(struct search *search, const struct cml_direct
     return CML_OK;
 }
 
-/* Computes the shares of one order, unless the work would become too much (search->enough). */
+/* Computes the shares with one order of the quadrature. Sets search->enough, and computes nothing, if the
+ * work of all orders would exceed options->most_work. */
 static cml_status raise_order(struct search *search, int order, struct cml_error *err)
 {
     struct cml_directions directions;
@@ -182,18 +186,18 @@ static cml_status raise_order(struct search *search, int order, struct cml_error
 }
 
 /* Returns the weight of a share's error: by how much a share exp(-depth) changes per relative change of its
- * optical depth, plus the share itself. Errors of large shares count absolutely, those of small ones nearly
- * relatively. */
+ * optical depth, plus the share itself. The error of a large share then counts absolutely, and the error of a
+ * small share nearly relatively. */
 static double weight_of(double share)
 {
     return share > 0 && share < 1 ? share * (1 - log(share)) : share > 0;
 }
 
-/* Estimates the errors. An error is twice the largest of: the changes between orders, and a tenth of the
- * changes of other shares, because a single change may be small by chance. The factor of two allows for slow
- * convergence. An error is at least four standard errors of the walks. The last terms are the rounding of a
- * sum of shares, and of the difference that gives Rd. Returns true if orders change no more than the noise of
- * the walks. */
+/* Estimates the error of each share. An error is twice the larger of two changes: the change of this share
+ * from the two earlier orders, and a tenth of the largest change of any share, because a single change may be
+ * small by chance. The factor of two allows for slow convergence. With walks the error is at least four
+ * standard errors. The loss of the sum of shares, and rounding, are added. Returns true if the orders differ
+ * by no more than the noise of the walks. */
 static bool estimate(const struct search *search, struct cml_exact *exact)
 {
     double *const *history = search->history, most = 0, most_spread = 0;
@@ -229,8 +233,8 @@ void cml_exact_clear(struct cml_exact *exact)
     *exact = (struct cml_exact){0};
 }
 
-/* Checks the work of the first three orders, without which there is no error estimate, before any of it is
- * done. */
+/* Sets search->enough if the first three orders, without which there is no estimate of errors, are too much
+ * work. Does so before any of this work is done. */
 static cml_status look_ahead(struct search *search, struct cml_error *err)
 {
     double sum = 0;
@@ -285,6 +289,8 @@ static void find_rough(struct search *search)
     }
 }
 
+/* Computes the shares of plane layers with rising orders, until all errors are within the tolerance or the
+ * work is too much. */
 cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
                            const struct cml_exact_light *light, const struct cml_exact_options *options,
                            struct cml_exact *exact, struct cml_error *err)
@@ -310,6 +316,7 @@ cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
     return status;
 }
 
+/* Computes the shares of a scene with planes in place of its boundaries. */
 cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
                            const struct cml_exact_options *options, struct cml_exact *exact,
                            struct cml_error *err)

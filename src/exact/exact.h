@@ -5,10 +5,10 @@
 
 #include "exact/directions.h"
 
-/* Shares of the incident light. RSP is the specular reflection as rule P1 splits it off, RD the rest of the
- * reflection, A the absorption of all layers, TT the transmission with ballistic light, BACKING the
- * absorption of a backing. CML_EXACT_LAYERS and the following numbers are the absorption of layers 1, 2
- * ... */
+/* Shares of the incident light. RSP is the specular reflection as rule P1 of kernels/README.md defines it, RD
+ * the rest of the reflection, A the absorption of all layers, TT the transmission with ballistic light,
+ * BACKING the absorption of a backing. CML_EXACT_LAYERS is the absorption of layer 1, the next number that of
+ * layer 2, and so on. */
 enum cml_exact_share {
     CML_EXACT_RSP,
     CML_EXACT_RD,

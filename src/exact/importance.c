@@ -44,7 +44,7 @@ static void cut(const struct cml_medium_def *media, int layers, double depth, st
     to->media[to->count + 1] = media[0];
 }
 
-/* Computes the absorption of all pieces in diffuse light. */
+/* Computes the absorption of each piece of the layers, for diffuse light that comes from outside. */
 static cml_status solve(struct pieces *pieces, struct cml_error *err)
 {
     const struct cml_exact_light light = {.diffuse = 1};
@@ -85,6 +85,7 @@ static void interpolate(const struct pieces *pieces, double depth, int cells, do
     }
 }
 
+/* Computes the importance of light by depth, for light that comes out below. */
 cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layers, int cells, double *value,
                                    struct cml_error *err)
 {

@@ -80,10 +80,10 @@ static void scattering(struct work *w, double *even, double *odd)
     }
 }
 
-/* Computes the matrices Q and P of the equation of transfer. The scattering loss of a direction is the sum
- * that the quadrature finds in all directions, so energy is conserved for any order; light scattered into its
- * own direction is not scattered. Light scattered exactly backwards leaves S unchanged, and counts twice in
- * D. */
+/* Computes the matrices Q and P of the equation of transfer (head of this file). The scattering loss of a
+ * direction is the sum that the quadrature finds in all directions. Energy is therefore conserved for any
+ * order. Light scattered into its own direction counts as unscattered. Light scattered exactly backwards
+ * leaves the sum S of both directions unchanged, and counts twice in their difference D. */
 static void transfer(struct work *w, double *Q, double *P)
 {
     const int n = w->n;
@@ -149,9 +149,9 @@ static void start(struct work *w, double h, struct cml_layer_response *to)
     }
 }
 
-/* Doubles a layer: puts an equal one below it; e is `through`. With X = (1 - RR)^-1 - 1, the light between
- * the two is W = (1 + X) R T upwards and (1 + X) T = e + B downwards, where B = U + eX + X U. T becomes e +
- * eU + eB + U B, and R grows by T W. */
+/* Doubles a layer: puts an equal layer below it. e is `through`, and X = (1 - R R)^-1 - 1. The light between
+ * the two layers is W = (1 + X) R T upwards and (1 + X) T = e + B downwards, where B = U + e X + X U. T
+ * becomes e + e U + e B + U B, and R grows by T W. */
 static void double_layer(struct work *w, struct cml_layer_response *to)
 {
     const int n = w->n;
@@ -248,6 +248,8 @@ static void set_cosines(const struct cml_directions *directions, struct work *w)
     }
 }
 
+/* Computes the response of a layer: by doubling a very thin layer, or directly if the medium does not
+ * scatter. */
 cml_status cml_layer_response_create(const struct cml_medium_def *medium,
                                      const struct cml_directions *directions, int count, int terms,
                                      struct cml_layer_response *to, struct cml_error *err)

@@ -15,11 +15,12 @@
  * more than the smallest double. */
 #define CML_LEAST_THROUGH 1e-150
 
-/* The response of a layer for `count` directions. Light is given by the power that each direction carries
- * through a unit of area, so columns add up to shares. Of a unit of power in direction j, R[i][j] is
- * reflected into direction i, T[i][j] transmitted, and a[j] absorbed. T = through + U, where `through` is 1
- * (times the unit matrix) for a layer that transmits most light, and 0 for others. So thin layers lose no
- * digits of their small effects, and thick layers none of their small transmission. */
+/* The response of a layer to light from `count` directions. Light is given by the power that each direction
+ * carries through a unit of area, so columns add up to shares. If a unit of power comes in direction j,
+ * R[i][j] is reflected into direction i, T[i][j] is transmitted into it, and a[j] is absorbed. T = through +
+ * U, where `through` is 1 (times the unit matrix) for a layer that transmits most light, and 0 for other
+ * layers. Thin layers then lose no digits of their small effects, and thick layers none of their small
+ * transmission. */
 struct cml_layer_response {
     struct cml_arrays arrays;
     int count;

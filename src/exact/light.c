@@ -20,8 +20,8 @@ static double density(const struct cml_light *light, double t)
     return sin(t) * (light->intensity[row] + part * (light->intensity[row + 1] - light->intensity[row]));
 }
 
-/* Returns the number of intervals of angle in which the density is smooth: those between rows of a table,
- * else 1. */
+/* Returns the number of intervals of angle in which the density of a beam's light is smooth: one between each
+ * two rows of a table, else 1. */
 static int pieces_of(const struct cml_light *light)
 {
     return light->kind == CML_LIGHT_OF_TABLE ? light->rows - 1 : 1;
@@ -137,6 +137,7 @@ bool cml_exact_knows(const struct cml_scene *scene, double top)
     return scene->backing.kind != CML_BACKING_METAL && all_come_from_above(scene, top);
 }
 
+/* Collects the light of all beams of a scene. */
 cml_status cml_exact_light_create(const struct cml_scene *scene, double top, struct cml_exact_light *light,
                                   struct cml_error *err)
 {

@@ -35,8 +35,8 @@ static double angle_of(double deflection)
     return 2 * asin(fmin(sqrt(deflection / 2), 1));
 }
 
-/* Adds the integral between two deflections, where the density is smooth. The number of nodes grows with l,
- * because P_l has l / (2 pi) periods per radian. */
+/* Adds to the Legendre moments the integral between two deflections, where the density is smooth. The number
+ * of nodes grows with `count`, because P_l has l / (2 pi) periods per radian. */
 static void add_interval(const struct cml_phase *phase, double low, double high, int count, struct rule *rule,
                          double *moment)
 {
@@ -77,6 +77,7 @@ static cml_status integrate(const struct cml_phase *phase, int count, double *mo
     return CML_OK;
 }
 
+/* Computes the Legendre moments of a medium's phase function. */
 cml_status cml_phase_moments(const struct cml_medium_def *medium, int count, double *moment,
                              struct cml_error *err)
 {

@@ -37,8 +37,9 @@ struct work {
     unsigned seed;
 };
 
-/* Sets up the interval of nodes above the index `below`, whose first node is `first` [factors of the
- * barycentric formula: Wang, Xiang, Math. Comput. 81, 861 (2012)]. */
+/* Sets up an interval of refractive indices with its nodes. Its upper end is the index of node `first`, and
+ * its lower end is `below`. Its nodes are those from `first` on that have this upper index. The factors of
+ * the barycentric formula are from Wang, Xiang, Math. Comput. 81, 861 (2012). */
 static void add_interval(struct work *w, struct cml_rough_interval *to, int first, double below)
 {
     const struct cml_directions *d = w->directions;
@@ -179,6 +180,7 @@ void cml_rough_response_clear(struct cml_rough_response *response)
     *response = (struct cml_rough_response){0};
 }
 
+/* Estimates the matrices of a rough boundary by random walks from all directions on both sides. */
 cml_status cml_rough_response_create(const struct cml_rough_plane *plane,
                                      const struct cml_directions *directions, int above, int below,
                                      double walks, unsigned seed, struct cml_rough_response *to,

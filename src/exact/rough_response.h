@@ -11,13 +11,14 @@
 /* Matrices of shares of power, indexed [to][from] as in layer_response.h. */
 struct cml_rough_matrices {
     double *R, *T;             /* light from above: reflected [above][above], transmitted [below][above] */
-    double *R_below, *T_below; /* light from below: reflected [below][below], transmitted [above][below] */
+    double *R_below, *T_below; /* for light from below: R_below[below][below] is reflected,
+                                  T_below[above][below] transmitted */
 };
 
 /* The matrices of one rough boundary, by all walks and by parts of them; owns its arrays. */
 struct cml_rough_response {
     struct cml_arrays arrays;
-    int above, below;               /* number of directions on each side; 0 below: a backing */
+    int above, below; /* number of directions on each side; `below` is 0 if the boundary is a backing */
     struct cml_rough_matrices mean; /* matrices from all walks */
     struct cml_rough_matrices part[CML_ROUGH_PARTS];
 };

@@ -37,7 +37,8 @@ static void arrive(const struct walks *w, const struct cml_rough_walk *walk, dou
     for (int i = 0; i < at->count; i++) to[i] += power / sum * share[i];
 }
 
-/* Returns the random words of walk k at facet `step`. Those of the first facets come from a lattice. */
+/* Returns the random words of walk k at facet number `step` of the walk. A lattice, which spreads walks
+ * evenly, gives the words of the first facets. */
 static struct cml_block draw(const struct walks *w, int k, int step)
 {
     const cml_u64 photon = (cml_u64)k * CML_NUM_BATCHES + (cml_u64)w->start->part;

@@ -29,7 +29,8 @@ struct block {
  * then the shares of the uppermost block. */
 struct stack {
     struct cml_arrays arrays;
-    /* Number of directions at the level; number of shares; largest number of directions of any medium. */
+    /* n: number of directions at the level; rows: number of shares; most: largest number of directions of any
+     * medium */
     int n, rows, most;
     double *below;
     double *other, *matrix; /* [most + rows][most] scratch */
@@ -69,7 +70,8 @@ static cml_status allocate(struct stack *stack, const struct cml_directions *dir
 static void add_boundary(struct stack *stack, const struct cml_directions *directions, double above,
                          double below, int n)
 {
-    /* directions below the boundary; directions on both sides */
+    /* inner: number of directions below the boundary. shared: number of directions that exist on both sides.
+     */
     const int inner = stack->n, shared = n < inner ? n : inner;
     const struct cml_dense_kind kind = cml_directions_kind(directions, inner);
     double *r = stack->mirror, *to = stack->other;
@@ -141,7 +143,8 @@ static void add_layer(struct stack *stack, const struct cml_directions *directio
     for (int i = 0; i < n * n; i++) old[i] += layer->R[i];
 }
 
-/* Begins with the medium below: no light comes back, and share 0 is the transmitted light. */
+/* Begins a stack of n directions with the medium below all layers. No light comes back from that medium, and
+ * share 0 is the transmitted light. */
 static void begin(struct stack *stack, int n)
 {
     stack->n = n;
@@ -164,7 +167,8 @@ static void begin_backed(struct stack *stack, const struct cml_backing_def *back
     for (int j = 0; j < n; j++) stack->below[n * n + j] = 1 - backing->R;
 }
 
-/* Begins with a rough backing; share 0 is the light that its facets keep. */
+/* Begins a stack with a rough backing. Light comes back as its matrix R says, and share 0 is the rest, the
+ * light that the backing's facets keep. */
 static void begin_rough(struct stack *stack, const struct cml_rough_matrices *rough, int n)
 {
     stack->n = n;
@@ -202,7 +206,7 @@ static void end_block(struct stack *stack)
            (size_t)stack->rows * (size_t)stack->n * sizeof *block->share);
 }
 
-/* Builds the stack from below: boundary and layer in turn, up to boundary 0. */
+/* Builds the stack of layers from below up to boundary 0, a boundary and a layer in turn. */
 static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                         const struct cml_stack_rough *rough, const struct cml_directions *directions,
                         int terms, struct stack *stack, struct cml_error *err)
@@ -277,6 +281,7 @@ cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml
     return status;
 }
 
+/* Computes the fate of light in each direction without weight. */
 cml_status cml_stack_responses(const struct cml_medium_def *media, const struct cml_directions *directions,
                                int terms, int count, double *response, struct cml_error *err)
 {

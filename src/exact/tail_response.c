@@ -16,7 +16,8 @@ static const int orders[] = {32, 45, 64, 91, 128};
 
 enum { NUM_ORDERS = sizeof orders / sizeof *orders, TERMS_PER_NODE = 2, MOST_DIRECTIONS = 640 };
 
-/* Largest relative change of a response to the last order; the next change would be much smaller. */
+/* Largest relative change of a response between the last two orders. The table is then accurate enough,
+ * because the next change would be much smaller. */
 #define CHANGE 2e-5
 
 /* Returns the number of nodes in an interval of the table. */
@@ -26,8 +27,8 @@ static int nodes_of(const struct cml_flat_tail *tail, int interval)
     return 12 + (int)ceil(24 * acos(share) / (CML_PI / 2));
 }
 
-/* Fills tail->index with the different indices, from the level's medium down, that are no larger than that of
- * the level's medium. */
+/* Fills tail->index with the different refractive indices from the level's medium down. Leaves out indices
+ * larger than the index of the level's medium. */
 static void find_intervals(const struct cml_medium_def *media, int count, struct cml_flat_tail *tail)
 {
     for (int m = 0; m < count; m++)
@@ -67,9 +68,10 @@ static cml_status solve(const struct cml_medium_def *stack, int num_layers,
     return status;
 }
 
-/* Returns the largest relative change of a response. Responses below a thousandth of the largest in their row
- * are compared with that thousandth. Light that grazes a boundary counts by its cosine c, because little of
- * it arrives: a share of c^2 of diffuse light. */
+/* Returns the largest relative change from an old to a new response. A response below a thousandth of the
+ * largest in its row is compared with that thousandth. Changes for grazing light count less, because only a
+ * share of c^2 of diffuse light arrives with a cosine below c: a change is multiplied by 30 c^2 if that is
+ * below 1. */
 static double largest_change(const struct cml_flat_tail *tail, const double *old, const double *new, int rows,
                              int count)
 {
@@ -108,8 +110,8 @@ static cml_status converge(const struct cml_medium_def *stack, int num_layers,
                     orders[NUM_ORDERS - 1]);
 }
 
-/* Interpolates the table of one interval from its nodes, which begin at `first` among `count` rays. response:
- * [1 + layers][count]. */
+/* Fills the table of one interval by interpolation from the responses at the interval's nodes, which begin at
+ * number `first` among `count` rays. response: [1 + layers][count]. */
 static void fill_interval(const struct cml_flat_tail *tail, int interval, const double *response, int first,
                           int count, double *table)
 {
@@ -175,6 +177,7 @@ static cml_status fill(const struct cml_medium_def *stack, int num_layers, struc
     return status;
 }
 
+/* Makes the table of expected values for the layers below a level. */
 cml_status cml_tail_create(const struct cml_medium_def *media, int num_layers, int layer, double z,
                            struct cml_flat_tail *tail, struct cml_error *err)
 {

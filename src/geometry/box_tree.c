@@ -188,6 +188,7 @@ static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, stru
     return cml_fail_memory(err, (double)n * 100.0, "the overlap check");
 }
 
+/* Builds a tree over the boxes of triangles. */
 cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3], size_t num_triangles,
                               struct cml_boxtree **tree, struct cml_error *err)
 {

@@ -26,7 +26,8 @@ CML_NODISCARD cml_status cml_boxtree_create_boxes(const double (*box)[2][3], siz
 /* Frees a tree; NULL is allowed. */
 void cml_boxtree_free(struct cml_boxtree *tree);
 
-/* Is called with a pair of triangles whose boxes touch; returns true to end the search. */
+/* A callback of cml_boxtree_pairs and cml_boxtree_own_pairs. i, j: numbers of two triangles whose boxes
+ * touch. Returns true to end the search. */
 typedef bool cml_boxtree_pair(void *context, uint32_t i, uint32_t j);
 
 /* Calls `pair` for each triangle i of a and j of b whose boxes touch. Returns true if `pair` ended the
@@ -62,18 +63,18 @@ struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_
                                      const double point[3]);
 #define CML_WITHOUT_NONE UINT32_MAX
 
-/* Is called with the number of a triangle or box whose box touches the searched box. */
+/* A callback of cml_boxtree_touching. i: number of a triangle or box whose box touches the searched box. */
 typedef void cml_boxtree_visit(void *context, uint32_t i);
 
 /* Calls `visit` for each triangle or box whose box touches the box from `lower` to `upper`. */
 void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
                           cml_boxtree_visit *visit, void *context);
 
-/* Returns the square of the distance of triangle i from p, for cml_boxtree_closest. */
+/* A callback of cml_boxtree_closest. Returns the square of the distance of triangle i from p. */
 typedef double cml_boxtree_square(const void *context, uint32_t i, const double p[3]);
 
-/* Finds the triangle closest to p: sets *i to its number and returns the square of its distance. On entry *i
- * is a guess of that number, or 0. */
+/* Finds the triangle closest to p. Sets *i to the triangle's number and returns the square of its distance.
+ * On entry *i is a guess of the number, or 0. */
 double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
                            const void *context, uint32_t *i);
 

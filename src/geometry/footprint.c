@@ -9,6 +9,7 @@ struct cml_footprint {
     struct cml_polygon_rows rows;
 };
 
+/* Builds the footprint of a mesh: the polygon of its border, with edges sorted into rows. */
 cml_status cml_footprint_create(const struct cml_mesh *mesh, struct cml_footprint **footprint,
                                 struct cml_error *err)
 {

@@ -36,6 +36,7 @@ void cml_mesh_add_triangle(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
     memcpy(mesh->triangle[mesh->num_triangles++], corner, sizeof corner);
 }
 
+/* Copies a mesh with all of its arrays. */
 cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to, struct cml_error *err)
 {
     bool failed = false;
@@ -79,8 +80,8 @@ int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t)
     return work->source->triangle_line[work->origin ? work->origin[t] : t];
 }
 
-/* Prints heights, as in the file, and not depths. 0.0 - z is used because -z would print a height of zero as
- * -0. */
+/* Prints a place with its height, as mesh files have it, instead of its depth. Computes 0.0 - z, because -z
+ * would print a height of zero as -0. */
 const char *cml_mesh_place(const double position[3], char text[112])
 {
     snprintf(text, 112, "(%.6g, %.6g, height %.6g) cm", position[0], position[1], 0.0 - position[2]);

@@ -42,7 +42,7 @@ struct cml_mesh {
     double lower[3], upper[3]; /* bounding box, cm */
     enum cml_normals normals;
     bool closed; /* set before cml_mesh_prepare: the mesh is a body without a border, not a sheet */
-    bool unite;  /* set before cml_mesh_prepare, for a body: its inside is the union of the insides of its
+    bool unite;  /* set before cml_mesh_prepare, for a body whose inside is the union of the insides of its
                     parts; cleared if there is only one part */
     size_t num_parts; /* number of parts of a body, which are closed surfaces without a common corner; 0 for a
                          sheet */
@@ -58,8 +58,8 @@ struct cml_mesh {
 /* Frees a mesh's arrays and zeroes it. */
 void cml_mesh_clear(struct cml_mesh *mesh);
 
-/* Allocates memory for so many vertices and triangles; the mesh then has no triangles yet. Clears the mesh if
- * memory runs out. what: name of the mesh for the message. */
+/* Allocates memory for the given numbers of vertices and triangles. The mesh then has no triangles yet.
+ * Clears the mesh if memory runs out. what: name of the mesh for the message. */
 CML_NODISCARD cml_status cml_mesh_allocate(struct cml_mesh *mesh, size_t vertices, size_t triangles,
                                            const char *what, struct cml_error *err);
 
@@ -120,8 +120,9 @@ bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);
 /* Statistics of heights and edges, for `check`. */
 struct cml_mesh_summary {
     double z_mean, z_rms, peak_to_valley; /* cm, weighted by projected area; z_rms about the mean */
-    double slope_rms, slope_max;          /* no unit; infinite if there are vertical walls */
-    double edge_median, edge_min;         /* cm; NaN if memory runs out */
+    double slope_rms, slope_max;  /* root mean square and maximum of the slope, cm per cm; infinite if there
+                                     are vertical walls */
+    double edge_median, edge_min; /* cm; NaN if memory runs out */
 };
 
 /* Computes the statistics of a prepared mesh. */

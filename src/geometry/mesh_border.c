@@ -44,7 +44,8 @@ static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leavin
     return loop;
 }
 
-/* Refuses a hole and names its middle, since a hole of three edges is hard to find in 1e6 triangles. */
+/* Refuses a mesh with holes. The message names the middle of `hole`, because a hole of three edges is hard to
+ * find in 1e6 triangles. */
 static cml_status refuse_hole(const struct cml_mesh_work *work, const uint32_t *leaving, struct loop hole,
                               size_t num_holes, struct cml_error *err)
 {
@@ -90,7 +91,8 @@ static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving,
     return CML_OK;
 }
 
-/* Finds the border: half-edges without an opposite one. Sets *border to the loop of mesh->border. */
+/* Finds the mesh's border: the loop of half-edges that have no opposite half-edge. Stores the loop's vertices
+ * in mesh->border and describes the loop in *border. Refuses a mesh with holes. */
 static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struct loop *border,
                             struct cml_error *err)
 {
@@ -322,10 +324,10 @@ static void sum_volumes(const struct cml_mesh *mesh, struct part *parts)
     }
 }
 
-/* Refuses parts whose volume is not certain to differ from 0. Bound of rounding: a determinant of three
- * vectors rounds by at most 7 half epsilons of the product of their lengths, times 1.2 because its six terms
- * are added without signs, plus 3 for the vectors; a sum of n terms rounds by n half epsilons of the sum of
- * their sizes. */
+/* Refuses parts whose volume may be 0 within rounding. The bound is (terms + 10) epsilon times the sum of
+ * sizes, where a size is the product of the lengths of a triangle's three vectors. It covers two errors. A
+ * sum of n terms rounds by n half epsilons. A determinant rounds by at most 7 half epsilons, times 1.2
+ * because its six terms are added without signs, plus 3 half epsilons for the vectors. */
 static cml_status check_volumes(const struct cml_mesh_work *work, const struct part *parts,
                                 struct cml_error *err)
 {
@@ -377,6 +379,7 @@ static void turn_parts(struct cml_mesh_work *work, const struct part *parts)
     }
 }
 
+/* Turns each part of a body outwards, and each cavity inwards. */
 cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -100,8 +100,8 @@ static size_t list_lengths(const struct cml_mesh *mesh, double *lengths)
     return count;
 }
 
-/* Finds the median and the smallest edge. The median tells how fine a mesh is even if it has a few
- * needles. */
+/* Finds the median and the smallest edge of a mesh. The median tells how fine a mesh is even if it has a few
+ * triangles far longer than wide. */
 static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
 {
     double *lengths = malloc((3 * mesh->num_triangles + mesh->num_border) * sizeof *lengths);
@@ -124,8 +124,9 @@ static void height_moments(const struct cml_mesh *mesh, size_t t, double referen
     moment[1] = (z[0] * (z[0] + z[1]) + z[1] * (z[1] + z[2]) + z[2] * (z[2] + z[0])) / 6;
 }
 
-/* Adds up, weighted by the triangles' projected area: [0] area, [1] z, [2] z^2, [3] slope^2. A vertical wall
- * has no projected area, and an infinite slope. */
+/* Adds up four sums over the triangles, each triangle weighted by its projected area: sum[0] of 1, sum[1] of
+ * z - reference, sum[2] of its square, sum[3] of the squared slope. Also raises summary->slope_max. A
+ * vertical wall has no projected area, and makes sum[3] infinite. */
 static void sum_heights(const struct cml_mesh *mesh, double reference, double sum[4],
                         struct cml_mesh_summary *summary)
 {

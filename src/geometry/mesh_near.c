@@ -12,8 +12,8 @@ static const double nearly = 1e-5; /* share of the mesh's extent; exporters writ
 struct corner {
     uint32_t vertex, next; /* `next`: the other end of the edge */
     double along;          /* position along the line by which corners are sorted, cm */
-    double nearest; /* distance of the nearest other corner, cm; infinite if none is within `nearly` of the
-                       extent */
+    double nearest;        /* distance of the nearest other corner, cm; infinite if no other corner is within
+                              `nearly` times the mesh's extent */
 };
 
 /* Orders two corners by their position along the line, for qsort. */
@@ -41,7 +41,8 @@ static size_t list_corners(const struct cml_mesh_work *work, size_t num_edges, s
     return count;
 }
 
-/* Notes the distance of two corners if it is at most `most`, cm. The two ends of one edge are exempt. */
+/* Lowers a->nearest and b->nearest to the distance of two corners if it is at most `most`, cm. Skips two
+ * corners that are the same vertex or the ends of one edge. */
 static void compare_pair(const struct cml_mesh *mesh, struct corner *a, struct corner *b, double most)
 {
     double way[3];
@@ -53,6 +54,8 @@ static void compare_pair(const struct cml_mesh *mesh, struct corner *a, struct c
     b->nearest = fmin(b->nearest, distance);
 }
 
+/* Compares the corners of one-faced edges, sorted along one axis, and adds to the refusal in *err how many of
+ * them nearly meet another corner. */
 void cml_mesh_tell_near_corners(const struct cml_mesh_work *work, size_t num_triangles, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;

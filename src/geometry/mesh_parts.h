@@ -32,8 +32,9 @@ bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t);
 /* Finds each half-edge's opposite. Refuses an edge with more than two triangles. */
 CML_NODISCARD cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Reverses triangles until all triangles of a part agree with the part's first triangle. Refuses one-sided
- * parts, and a sheet of several parts. For a body sets mesh->part and part_start. */
+/* Reverses triangles until all triangles of a part agree with the part's first triangle. Refuses a part that
+ * has only one side, like a Moebius strip. Refuses a boundary's mesh if it has several parts. For a body sets
+ * mesh->part and part_start. */
 CML_NODISCARD cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Refuses a vertex whose triangles are not one fan. */
@@ -54,9 +55,9 @@ CML_NODISCARD cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, stru
  * refused. In *work only the notes are updated. */
 CML_NODISCARD cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Adds to the refusal in *err the number of corners of one-faced edges that nearly meet others, and their
- * largest distance. Adds nothing if there are none. num_triangles: the number that cml_mesh_pair_edges has
- * seen. */
+/* Adds to the refusal in *err how many corners of edges with one triangle nearly meet other corners, and
+ * their largest distance. Adds nothing if no corners nearly meet. num_triangles: number of triangles when
+ * cml_mesh_pair_edges was called. */
 void cml_mesh_tell_near_corners(const struct cml_mesh_work *work, size_t num_triangles,
                                 struct cml_error *err);
 

@@ -41,6 +41,7 @@ static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *er
     return cml_mesh_find_normals(mesh, err);
 }
 
+/* Prepares a boundary mesh, step by step. Each step is a function of mesh_parts.h. */
 cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
                             struct cml_mesh_notes *notes, struct cml_error *err)
 {

@@ -60,8 +60,8 @@ static void point_at(const struct rim *rim, double length, double point[2])
     for (int k = 0; k < 2; k++) point[k] = p[k] + t * (q[k] - p[k]);
 }
 
-/* Computes the unit vector that points outwards from the step from p to q: to its right, or to its left if
- * the border runs clockwise. 0 if p = q. */
+/* Computes the unit vector perpendicular to the step from p to q that points out of the border: to the step's
+ * right, or to its left if the border runs clockwise. 0 if p = q. */
 static void outward_of(const struct rim *rim, const double *p, const double *q, double out[2])
 {
     const double x = q[0] - p[0], y = q[1] - p[1], length = hypot(x, y);
@@ -142,6 +142,7 @@ static cml_status check_faces(const struct cml_mesh_work *work, struct cml_error
     return CML_OK;
 }
 
+/* Adds a skirt around the border of a mesh, which ends at the border's mean depth. */
 cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -66,6 +66,7 @@ static cml_status fill_rows(struct cml_polygon_rows *rows, struct cml_error *err
     return CML_OK;
 }
 
+/* Sorts the edges of a polygon into rows of y. */
 cml_status cml_polygon_rows_build(const double (*point)[2], size_t num_points, struct cml_polygon_rows *rows,
                                   struct cml_error *err)
 {

@@ -15,8 +15,8 @@ struct cml_polygon_rows {
     double y_low, y_high;   /* smallest and largest y of all points */
     double rows_per_length; /* num_rows / (y_high - y_low); 0 for a polygon without height */
     size_t *first;          /* [num_rows + 1] where each row's list begins in edge[] */
-    uint32_t *edge; /* edges of each row; an edge is in all rows that it overlaps; at most 3 num_points +
-                       num_rows entries */
+    uint32_t *edge; /* numbers of the edges in each row, row by row; an edge stands in every row that it
+                       overlaps; choose_rows keeps the total at or below 3 num_points + num_rows */
 };
 
 /* Builds the rows from a copy of `point`; num_points >= 3. Returns CML_E_INPUT if memory runs out; *rows is

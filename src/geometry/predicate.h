@@ -23,6 +23,6 @@ int cml_orient3d(const double a[3], const double b[3], const double c[3], const 
  * passes. 0 only for an edge parallel to u. */
 int cml_line_side(const double a[3], const double b[3], const double o[3], const double u[3]);
 
-/* Returns the sign of cml_orient3d(a, b, c, o), with o moved by (e, e^2, e^3). 0 only for a triangle without
- * area. */
+/* Returns the sign of cml_orient3d(a, b, c, o), with o moved by (e, e^2, e^3) for an infinitely small e > 0.
+ * The sign is 0 only for a triangle without area. */
 int cml_plane_side(const double a[3], const double b[3], const double c[3], const double o[3]);

@@ -47,8 +47,8 @@ static bool wedges_apart_from_above(const double *const a[3], const double *cons
            outside_wedge(b[0], b[1], b[2], a[1]) && outside_wedge(b[0], b[1], b[2], a[2]);
 }
 
-/* Returns the rounded determinant det(a - d, b - d, c - d), from which the place on a segment follows where
- * it meets a plane. Exact signs have decided before that it does. */
+/* Returns the rounded determinant det(a - d, b - d, c - d). The caller computes from it where a segment meets
+ * a plane, after exact signs have decided that it does. */
 static double determinant(const double *a, const double *b, const double *c, const double *d)
 {
     double m[3][3];
@@ -107,9 +107,10 @@ static bool contains(struct view view, const double *const t[3], const double *p
     return true;
 }
 
-/* True if two segments in one plane meet: each has the other's ends on both sides, or an end lies on it.
- * Segments on one line do not count here, because other tests find their contact: an end of p-q then lies in
- * the triangle, or p-q passes through a corner, where another edge begins. */
+/* True if the segments p-q and a-b, which lie in one plane, meet. They meet if each has the other's ends on
+ * both sides, or if an end of one lies on the other. Segments on one line count as not meeting, because other
+ * tests find their contact: an end of p-q then lies in the triangle, or p-q passes through a corner, where
+ * another edge begins. */
 static bool edges_intersect(struct view view, const double *p, const double *q, const double *a,
                             const double *b, double place[3])
 {

@@ -30,6 +30,7 @@ uint32_t cml_mesh_checksum(const struct cml_mesh *mesh)
                              mesh->num_triangles * sizeof *mesh->triangle);
 }
 
+/* Returns the CRC-32 of a boundary's shape: its rings, its tile or its mesh; 0 for a plane. */
 uint32_t cml_boundary_checksum(const struct cml_boundary *boundary)
 {
     const struct cml_radial *radial = &boundary->radial;

@@ -138,6 +138,7 @@ static bool is_of_skirt(const struct cml_boundary *boundary, const struct cml_sh
     return false;
 }
 
+/* Writes the error about a mesh boundary that crosses or touches itself. */
 static cml_status fail_self(const struct cml_scene *scene, const struct shape *shape,
                             const struct cml_sheet_overlap *overlap, struct cml_error *err)
 {
@@ -218,8 +219,8 @@ static bool find_closest(const struct shape *upper, const struct shape *lower, d
     return true;
 }
 
-/* Compares pairs with a tile. A pair that cannot be compared exactly is refused, because its other surface
- * has no period or another one. */
+/* Compares two boundaries of which one is a tile. Refuses boundaries that overlap, and boundaries whose gap
+ * cannot be computed exactly, because the other surface has no period or a different period. */
 static cml_status compare_tiles(const struct cml_scene *scene, const struct shape *upper,
                                 const struct shape *lower, struct cml_error *err)
 {
@@ -259,12 +260,12 @@ static cml_status check_self(const struct cml_scene *scene, const struct shape *
 /* Boundaries that the next one is compared with: the last one above it that is not a plane, and the deepest
  * plane. */
 struct above {
-    struct shape curved, plane; /* member `boundary` is NULL: there is none */
+    struct shape curved, plane; /* the two shapes; a shape whose member `boundary` is NULL does not exist */
 };
 
-/* Compares a boundary with those above it. Two are enough: all others above lie above these. Among planes
- * only the deepest counts, because planes may touch each other. The nearer of the two comes first, so that
- * the message names the place where the user must look. */
+/* Compares a boundary with the two boundaries of `above`. Two are enough, because all other boundaries above
+ * lie above these two. Among planes only the deepest counts, because planes may touch each other. The nearer
+ * of the two is compared first, so that the message names the place where the user must look. */
 static cml_status compare_with_above(const struct cml_scene *scene, const struct above *above,
                                      const struct shape *shape, struct cml_error *err)
 {

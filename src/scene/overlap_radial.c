@@ -72,8 +72,9 @@ int cml_radial_sample_from(const struct cml_radial *radial, double r)
     return low;
 }
 
-/* A mesh edge seen from above, as part of a line that passes the axis at `distance`. A point at share t of
- * the edge has the radius r^2 = along^2 (t - foot)^2 + distance^2. */
+/* A mesh edge from a to b, seen from above. `along` is its length. The line through the edge passes the axis
+ * at `distance`, at share `foot` of the edge (0: a, 1: b). The point at share t of the edge has the radius r
+ * with r^2 = along^2 (t - foot)^2 + distance^2. */
 struct edge {
     const double *a, *b;
     double along, foot, distance;
@@ -91,7 +92,8 @@ static struct edge make_edge(const double *a, const double *b)
     return edge;
 }
 
-/* Compares at share t of an edge. The ends do not count, because vertices are compared by themselves. */
+/* Compares the mesh with the heightfield at share t of an edge (0: corner a, 1: corner b). Skips both ends,
+ * because the vertices are compared by themselves. */
 static void compare_on_edge(const struct comparison *c, const struct edge *edge, double t)
 {
     if (!(t > 0.0 && t < 1.0)) return;
@@ -141,7 +143,7 @@ static void compare_edge(const struct comparison *c, const double *a, const doub
  * direction of steepest descent. */
 struct section {
     double direction[2];
-    double s[2], z[2]; /* both ends of the cut: distance from the axis along `direction`, and depth */
+    double s[2], z[2]; /* the two ends of the cut: distance from the axis along `direction`, and depth, cm */
 };
 
 /* Splits a vertex's horizontal position into its distance along the section's line and its distance from that
@@ -178,8 +180,9 @@ static bool find_section(const double *const v[3], struct section *section)
     return ends == 2 && section->s[0] != section->s[1];
 }
 
-/* Compares along half a section; `side` is 1 or -1. Both surfaces are piecewise linear on a line through the
- * axis, so the gap is least at a ring or at an end, and the ends lie on edges. */
+/* Compares the mesh with the heightfield along the half of a section on one side of the axis; `side` is 1 or
+ * -1. Both surfaces are piecewise linear along a line through the axis. Their gap is therefore least at a
+ * ring or at an end of the section. The ends lie on edges, which are compared separately. */
 static void compare_section(const struct comparison *c, const struct section *section, double side)
 {
     const double s_0 = side * section->s[0], s_1 = side * section->s[1];

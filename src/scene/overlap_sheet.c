@@ -22,7 +22,8 @@ static void place_vertices(struct cml_sheet *sheet, double z)
     for (size_t i = 0; i < mesh->num_border; i++) sheet->on_border[mesh->border[i]] = true;
 }
 
-/* Fills in the vertices, the search tree and the outer plane of a sheet. */
+/* Fills in a sheet, a mesh with the outer plane around it: vertices in the scene's frame, search tree, depth
+ * of the outer plane. z: nominal depth of the mesh, cm. */
 static cml_status fill_sheet(struct cml_sheet *sheet, double z, struct cml_error *err)
 {
     const struct cml_mesh *mesh = sheet->mesh;
@@ -278,7 +279,8 @@ void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
     compare_surfaces(a, b, overlap);
 }
 
-/* Compares vertices first: this is cheap, and it finds the depth, which makes a better message. */
+/* Compares two sheets. Vertices come first, because they are cheap to compare and because the message then
+ * gives the depth of the overlap. */
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
 {

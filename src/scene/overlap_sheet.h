@@ -46,7 +46,8 @@ struct cml_sheet_overlap {
     double at[3]; /* place of the overlap in the scene's frame, cm */
     /* Vertical distance by which the upper sheet reaches below the lower one here, cm; 0: not known. */
     double depth;
-    /* If the depth is not known: the triangles that meet, of the first and of the second sheet. */
+    /* Numbers of the triangles that meet, of the first and of the second sheet. Messages name them if the
+     * depth is not known. */
     uint32_t triangle[2];
 };
 

@@ -24,6 +24,7 @@ const char *const *cml_phase_numbers(enum cml_phase_kind kind)
 
 /* ---- tables ---- */
 
+/* Scales the densities of a table so that their integral is 1, and fills the sums `below`. */
 bool cml_phase_scale_table(struct cml_phase *phase)
 {
     const size_t bytes = (size_t)phase->rows * sizeof(double);
@@ -76,8 +77,9 @@ static double table_mean(const struct cml_phase *phase)
 
 /* ---- closed forms ---- */
 
-/* Returns Henyey and Greenstein's share below the deflection x. With a = 1 - g and b = sqrt(a^2 + 2 g x) it
- * is (1 - g^2) / (2 g) (1 / a - 1 / b), computed without that difference. */
+/* Returns the share of light that Henyey and Greenstein's function scatters below the deflection x = 1 -
+ * cosine. With a = 1 - g and b = sqrt(a^2 + 2 g x) the share is (1 - g^2) / (2 g) (1 / a - 1 / b). The code
+ * avoids this difference, in which digits cancel for small g or x. */
 static double hg_below(double g, double x)
 {
     const double a = 1 - g, b = sqrt(a * a + 2 * g * x);
@@ -103,7 +105,8 @@ static double gk_below(double g, double a, double x)
     return expm1(-a * gk_log(g, x)) / expm1(-a * gk_log(g, 2));
 }
 
-/* Returns a / (1 - exp(-a L)) with L = `all`, at a = 0 its limit 1 / L. */
+/* Returns a / (1 - exp(-a L)), the factor that normalises the density of the phase function gk. L = `all`. At
+ * a = 0 returns the limit 1 / L. */
 static double gk_scale(double a, double all)
 {
     return a == 0 ? 1 / all : -a / expm1(-a * all);
@@ -130,6 +133,7 @@ static double gk_mean(double g, double a)
     return 1 - gk_scale(a, all) * all * sum / (3 * STEPS);
 }
 
+/* Returns the share of the light that is scattered with a deflection below x. */
 double cml_phase_below(const struct cml_phase *phase, double x)
 {
     const double *n = phase->number;
@@ -147,6 +151,7 @@ double cml_phase_below(const struct cml_phase *phase, double x)
     }
 }
 
+/* Returns the density of the light over the deflection at x. */
 double cml_phase_density(const struct cml_phase *phase, double x)
 {
     const double *n = phase->number, c = 1 - x;
@@ -164,6 +169,7 @@ double cml_phase_density(const struct cml_phase *phase, double x)
     }
 }
 
+/* Returns the mean cosine of deflection, g. */
 double cml_phase_mean(const struct cml_phase *phase)
 {
     const double *n = phase->number;

@@ -62,6 +62,7 @@ static void clear_beam(struct cml_beam *beam)
     free(beam->pixel);
 }
 
+/* Frees all that a scene owns, and zeroes the scene. */
 void cml_scene_clear(struct cml_scene *scene)
 {
     /* A scene that was refused while being read may have its number of layers set, but no boundaries yet. */
@@ -125,6 +126,7 @@ static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool 
     }
 }
 
+/* Copies a scene. Shapes, bodies and tables are shared, not copied. */
 cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, struct cml_error *err)
 {
     const size_t layers = (size_t)from->num_layers, bodies = (size_t)from->num_bodies,
@@ -150,7 +152,8 @@ cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, st
     return cml_fail_memory(err, (double)(media * sizeof *to->media), "a scene");
 }
 
-/* Returns the widest angle of a light. For a table this is the end of the last interval that is not dark. */
+/* Returns the widest angle of a light, rad. The widest angle of a table is the end of its last interval that
+ * is not dark. */
 double cml_light_widest(const struct cml_light *light, double medium_n)
 {
     int last = light->rows - 1;

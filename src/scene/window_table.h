@@ -12,8 +12,8 @@ struct cml_window_table {
     int layers; /* number of layers, from the top, that the windows cover */
     /* Detector whose light is wanted, from 1; 0: light that comes out below the covered layers. */
     int detector;
-    /* 1, or less if the scene is symmetric about the axis x, y. Then `worth` counts light in a whole ring
-     * about the axis, and this is the share of the ring's area that the detector covers. */
+    /* share of the ring's area that the detector covers, if the scene is symmetric about the axis x, y and
+     * `worth` counts light in a whole ring about this axis; else 1 */
     double share;
     double worth; /* share of the beam's light that reaches the target, in the flat scene */
     /* Share of the light arriving at the detector that lies in its aperture; 1: no aperture. */
@@ -31,7 +31,9 @@ struct cml_window_table {
 };
 
 #define CML_WINDOW_CELLS 1024
-#define CML_LEAST_TARGET 256u /* units of 2^-31; lighter packets would be rounded too coarsely (rule P3) */
+/* Smallest target weight, in units of 2^-31. Lighter packets would be rounded too coarsely (rule P3 of
+ * kernels/README.md). */
+#define CML_LEAST_TARGET 256u
 
 /* Computes `target` from the importance of light, [rings][cells]. Packets keep their whole weight where the
  * importance is at most `start`, and get the share (start / importance)^power elsewhere. All other members of

@@ -36,12 +36,12 @@ static void add_sheet(const struct cml_mesh *mesh, double z, double *area, doubl
 struct relief {
     bool endless;        /* true for a tile, which repeats for ever */
     double outer;        /* depth of the plane around it, cm; for a tile the zero of its heights */
-    double area, volume; /* cm2, for a tile of one period; cm3 between the part and that plane, negative above
-                            the plane */
+    double area, volume; /* area: area of the relief, cm2; for a tile the area of one period. volume: volume
+                            between the relief and the outer plane, cm3; negative above the plane */
 };
 
-/* Measures the part of boundary b that is not level. A boundary represented by a plane has no such part: area
- * 0. */
+/* Measures the part of boundary b that is not level. A boundary represented by a plane has no such part, and
+ * gets the area 0. */
 static cml_status find_relief(const struct cml_scene *scene, const struct cml_surface_set *set, int b,
                               const struct cml_surface_options *options, struct relief *relief,
                               struct cml_error *err)

@@ -16,7 +16,7 @@ CML_NODISCARD cml_status cml_mean_depth(const struct cml_scene *scene, const str
 struct cml_mean_shapes {
     double *height;    /* [L+1] mean height of each boundary above its nominal depth, cm: over the disk of its
                           radius, the footprint of its mesh, or a period of its tile */
-    double *area;      /* [L+1] area over which that mean is taken, cm2; 0 for a plane */
+    double *area;      /* [L+1] area over which the mean height is taken, cm2; 0 for a plane */
     double *thickness; /* [L] mean thickness of each layer, cm, over the larger area of its two boundaries */
 };
 

@@ -154,7 +154,8 @@ static cml_status refuse_cones(const struct cml_scene *scene, const struct cml_b
                     boundary->line);
 }
 
-/* Represents a mesh: as a plane if it is flat and nothing is forced, else as a searched mesh. */
+/* Represents a boundary that is a mesh: by a plane if the mesh is flat and the user forces nothing else,
+ * otherwise by a mesh with a search. */
 static cml_status represent_mesh(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                  const struct cml_surface_options *options, struct cml_surface_def *def,
                                  struct cml_error *err)
@@ -199,7 +200,8 @@ static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cm
     return CML_OK;
 }
 
-/* Represents a tile: as a plane if it is flat and nothing is forced, else as the mesh of one period. */
+/* Represents a boundary that is a tile: by a plane if the tile is flat and the user forces nothing else,
+ * otherwise by the mesh of one period. */
 static cml_status represent_tile(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                  const struct cml_surface_options *options, struct cml_surface_def *def,
                                  struct cml_error *err)
@@ -308,6 +310,7 @@ static cml_status represent_bodies(const struct cml_scene *scene, const struct c
     return status;
 }
 
+/* Represents every boundary, then every body. Frees all of them again after a failure. */
 cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
                                struct cml_surface_set *set, struct cml_error *err)
 {

@@ -17,10 +17,10 @@
  * to, unless it shares it (`users`). */
 struct cml_surface_def {
     enum cml_surface_kind kind;
-    char reason[160];              /* why this kind was chosen, for people */
-    struct cml_rough_def rough;    /* the boundary's roughness */
-    double depth;                  /* scene depth of z = 0, cm; for a plane the depth of the plane itself */
-    double steepest;               /* no part is steeper; infinite if a part is upright or overhangs */
+    char reason[160];           /* why this kind was chosen, for people */
+    struct cml_rough_def rough; /* the boundary's roughness */
+    double depth;               /* scene depth of z = 0, cm; for a plane the depth of the plane itself */
+    double steepest; /* greatest slope of any part, cm per cm; infinite if a part is upright or overhangs */
     double lowest, highest;        /* lowest <= z <= highest everywhere, cm */
     uint64_t primitives;           /* number of rings or triangles; 1 for a plane */
     int num_rings;                 /* number of rings of CML_SURFACE_CONE */
@@ -60,9 +60,9 @@ bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set);
  * Overwrites *def without freeing it; the plane owns no memory. */
 void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def);
 
-/* Makes the plane of cml_surface_make_outer_plane, but as rings of cones without a slope. Packets then take
- * the same events with the same random numbers as on curved boundaries. (On a plane at normal incidence,
- * packets start behind the first boundary.) The caller clears *def, also on failure. */
+/* Makes the outer plane of a boundary, like cml_surface_make_outer_plane, but as rings of cones without a
+ * slope. Packets then take the same events with the same random numbers as on curved boundaries. (At normal
+ * incidence on a plane, packets start behind the first boundary.) The caller clears *def, also on failure. */
 CML_NODISCARD cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary,
                                                       struct cml_surface_def *def, struct cml_error *err);
 

@@ -14,8 +14,8 @@ struct cml_surface_options {
     enum cml_surface_kind
         force; /* forced kind; CML_SURFACE_AUTO: choose; CML_SURFACE_CONE does not change meshes and planes */
     struct cml_tessellation tessellation;
-    double tolerance; /* largest relative bias of totals and profiles, from which tessellation.tolerance
-                         follows; 0: tessellation.tolerance is used as it is */
+    double tolerance; /* largest relative bias of totals and profiles, from which tessellation.tolerance is
+                         computed; 0: the caller has set tessellation.tolerance */
     enum cml_mesh_search search;
     struct cml_mesh_budget budget;        /* for each tessellation; file, line and boundary are ignored */
     const struct cml_surface_set *shared; /* surfaces of another scene, made with the same options; surfaces
@@ -34,7 +34,7 @@ struct cml_expectation {
 /* Returns the tessellation that keeps the options' tolerance. */
 struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options *options);
 
-/* Returns the estimate for cones of so many rings; their bias is 0. */
+/* Returns the estimated cost of cones with the given number of rings; their bias is 0. */
 struct cml_expectation cml_choice_expect_cones(int rings);
 
 /* Returns the estimate for a tessellated heightfield under these options. */

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-/* Returns the number of facets. The last ring of cones is the outer plane already; a mesh's outer plane is
- * one facet more. */
+/* Returns the number of facets of a boundary. Cones have one facet per ring, and the last ring is the outer
+ * plane. A mesh has one facet per triangle, and one more for the outer plane. */
 size_t cml_surface_facets(const struct cml_surface_def *def, const struct cml_map_def *map)
 {
     if (def->kind == CML_SURFACE_PLANE) return map->nx > 0 ? (size_t)map->nx * (size_t)map->ny + 1 : 0;

@@ -7,10 +7,9 @@
 #include <float.h>
 #include <math.h>
 
-/* Required resolution: so many steps of single precision must fit into the smallest length of a part. Rings
- * need the most, since crossings with cones are roots found in single precision; their length is the width of
- * a ring. FACET is for the sides of facets. LENGTH is for bodies, detectors, bins and the spacing of a tile's
- * heights. */
+/* Number of steps of single precision that must fit into the smallest length of a part. RING: width of a
+ * ring, which needs the most steps, because crossings with cones are roots found in single precision. FACET:
+ * side of a facet. LENGTH: length of a body, a detector or a bin, or spacing of a tile's heights. */
 enum { STEPS_OF_RING = 4096, STEPS_OF_FACET = 256, STEPS_OF_LENGTH = 32 };
 
 /* Returns the largest allowed distance of a part from the origin, cm, for which `steps` steps of single
@@ -73,8 +72,8 @@ struct requirements {
     const struct cml_scene *scene;
     struct range range;
     double distance; /* smallest allowed distance from the origin over all parts, cm */
-    double flight; /* as `distance`, but rings count like facets, because light from elsewhere meets rings as
-                      it meets facets */
+    double flight;   /* like `distance`, but with rings counted as facets, because light from outside the
+                        boundary meets rings as it meets facets */
 };
 
 /* A part of the scene: its position and its smallest length, cm. */
@@ -113,8 +112,8 @@ static cml_status require_part(struct requirements *all, const struct part *part
 }
 
 /* Requires that single precision resolves the spacing of a tile's heights where each beam meets the tile.
- * Light spreads over a tile away from any origin, and meets the tile wherever it is. Coarser steps than for a
- * mesh, which lies in one place, are therefore enough. */
+ * Steps may be coarser than for a mesh, which lies in one place: light spreads over a tile away from any
+ * origin, and meets the tile everywhere. */
 static cml_status require_tile(struct requirements *all, int b, struct cml_error *err)
 {
     const struct cml_scene *scene = all->scene;
@@ -279,8 +278,8 @@ static void find_nearest(const struct cml_scene *scene, struct range range, doub
     for (int k = 0; k < 2; k++) at[k] = fmin(fmax(at[k], range.low[k]), range.high[k]);
 }
 
-/* Finds the origin. Far from x = y = 0 the origin is rounded to single precision, so that host and devices
- * have the same number. */
+/* Finds the origin of x and y. An origin far from x = y = 0 is rounded to single precision, so that host and
+ * devices have the same number. */
 cml_status cml_surface_origin(const struct cml_scene *scene, struct cml_origin *origin, struct cml_error *err)
 {
     struct requirements parts = {.scene = scene, .range = anywhere, .distance = INFINITY, .flight = INFINITY};

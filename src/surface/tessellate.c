@@ -45,9 +45,10 @@ static double slant(const struct cml_radial *radial, int i)
     return hypot(radial->r[i + 1] - radial->r[i], radial->h[i + 1] - radial->h[i]);
 }
 
-/* Returns the longest arc that ring i may have under the rule against needles, cm. Beside a strip far
- * narrower than its neighbour, the rule alone would fill the wide strip with needles in the other direction.
- * There the geometric mean of both widths is allowed. */
+/* Returns the longest arc, cm, that a side of ring i may have without making needles. A needle is a triangle
+ * whose arc is longer than `needle` times the width of its strip. Where one strip is far narrower than its
+ * neighbour, this rule alone would make the wide strip's triangles needles in the other direction. The
+ * geometric mean of both widths is therefore always allowed. */
 static double longest_arc(const struct cml_radial *radial, int i, double needle)
 {
     const double inner = slant(radial, i - 1);
@@ -69,9 +70,9 @@ static double segments_of_ring(const struct rings *rings, int i, double needle)
     return segments;
 }
 
-/* True if, seen from above, the polygons of rings i and i + 1 keep half of the distance of their circles
- * wherever they come closest. Polygons with different numbers of vertices bulge differently, so narrow rings
- * could otherwise fold over. */
+/* True if the strip between rings i and i + 1 is open: seen from above, their polygons keep at least half of
+ * the distance between their circles. Polygons with different numbers of vertices bulge differently, so the
+ * strip between close rings could otherwise fold over. */
 static bool strip_is_open(const struct rings *rings, int i)
 {
     const double *r = rings->radial->r, *n = rings->segments;
@@ -82,8 +83,8 @@ static bool strip_is_open(const struct rings *rings, int i)
     return outer - inner >= 0.5 * (r[i + 1] - r[i]);
 }
 
-/* Doubles the vertices of the coarser ring of a strip until the strip is open. Returns true if a ring
- * changed. */
+/* Doubles the number of vertices of the coarser ring of a strip until the strip does not fold over
+ * (strip_is_open). Returns true if a ring changed. */
 static bool open_strip(const struct rings *rings, int i)
 {
     bool changed = false;
@@ -106,7 +107,8 @@ static void open_strips(const struct rings *rings)
     }
 }
 
-/* Chooses the vertices of every ring under one rule against needles. Returns the number of triangles. */
+/* Chooses the vertices of every ring so that no arc is longer than `needle` times the width of its ring's
+ * strips (longest_arc). Returns the number of triangles. */
 static double choose_segments(const struct rings *rings, double needle)
 {
     const int n = rings->radial->n;
@@ -118,9 +120,9 @@ static double choose_segments(const struct rings *rings, double needle)
     return triangles;
 }
 
-/* Chooses the vertices of every ring within the budget. The tolerance is always kept. The rule against
- * needles is relaxed beyond NEEDLE_BUDGET triangles. NEEDLE_BUDGET is the same on every machine, so that the
- * same tolerance gives the same mesh everywhere, or none. */
+/* Chooses the vertices of every ring within the budget. The tolerance is always kept. Beyond NEEDLE_BUDGET
+ * triangles, needles (triangles with an arc far longer than their ring's width) are allowed. NEEDLE_BUDGET is
+ * the same on every machine, so that the same tolerance gives the same mesh everywhere, or none. */
 static cml_status plan(const struct rings *rings, const struct cml_mesh_budget *budget, double *triangles,
                        struct cml_error *err)
 {
@@ -164,8 +166,8 @@ static void put_ring(const struct rings *rings, int i, struct cml_mesh *mesh)
     }
 }
 
-/* Appends a triangle to the strip that ends at ring `ring`. Vertices a, b, c run counter-clockwise in x,
- * y. */
+/* Appends a triangle to the strip that ends at ring `ring`. Vertices a, b, c run counter-clockwise in x, y.
+ * The mesh lists them clockwise, as a, c, b, so that the triangle faces up: z points down. */
 static void put_triangle(const struct rings *rings, int ring, size_t a, size_t b, size_t c,
                          struct cml_mesh *mesh)
 {
@@ -223,7 +225,7 @@ static void number_vertices(const struct rings *rings, struct cml_mesh *mesh)
     }
 }
 
-/* Allocates the mesh's arrays for so many triangles. Returns CML_E_INPUT if memory runs out. */
+/* Allocates the mesh's arrays for the given number of triangles. Returns CML_E_INPUT if memory runs out. */
 static cml_status allocate(struct cml_mesh *mesh, size_t triangles, struct cml_error *err)
 {
     const size_t vertex_bytes = mesh->num_vertices * sizeof *mesh->vertex;

@@ -187,7 +187,8 @@ static bool lies_in(void *context, uint32_t i, uint32_t j)
     return order == CML_CONVEX_FIRST_INSIDE || fails;
 }
 
-/* True if two bodies with the same host are not apart, which is an error: a cml_boxtree_pair. */
+/* Compares two bodies that have the same host (a cml_boxtree_pair). If the bodies are not apart, writes an
+ * error to p->status and returns true, which ends the search. */
 static bool fails_beside(void *context, uint32_t i, uint32_t j)
 {
     struct placing *p = context;
@@ -209,7 +210,8 @@ static void find_hosts(struct placing *p, const struct cml_boxtree *tree, size_t
     }
 }
 
-/* Compares the solids of one layer, to find their hosts, or those of one host, to find contacts. */
+/* Compares the bodies of one layer, to find the smallest body around each; or the bodies of one host, to
+ * refuse bodies that meet. */
 static cml_status compare_range(struct placing *p, size_t count, bool hosts)
 {
     struct cml_boxtree *tree;
@@ -253,6 +255,7 @@ static cml_status place(struct placing *p, struct cml_sheet *sheets)
     return compare_all(p);
 }
 
+/* Finds the host of every body of the scene, and refuses bodies that cross or touch. */
 cml_status cml_scene_place_bodies(struct cml_scene *scene, struct cml_error *err)
 {
     struct placing p = {.scene = scene, .count = (size_t)scene->num_bodies, .status = CML_OK, .err = err};

@@ -26,8 +26,9 @@ struct cml_convex cml_body_convex(const struct cml_scene_body *body)
     return convex;
 }
 
-/* A disk across the axis reaches r sqrt(1 - axis_k^2) along coordinate k. This equals r times the length of
- * the axis' other two coordinates, which does not cancel for an axis along coordinate k. */
+/* Computes the box around a body. A disk of radius r across the body's axis reaches r sqrt(1 - axis_k^2)
+ * along coordinate k. The code computes r times the length of the axis' other two coordinates. This is the
+ * same length, but no digits cancel for an axis along coordinate k. */
 void cml_body_box(const struct cml_scene_body *body, double lower[3], double upper[3])
 {
     if (body->form == CML_BODY_MESH) {
@@ -82,7 +83,8 @@ static void icosahedron(double corner[12][3], uint32_t face[20][3])
     for (uint32_t a = 0; a < 12; a++)
         for (uint32_t b = a + 1; b < 12; b++)
             for (uint32_t c = b + 1; c < 12; c++) {
-                /* Neighbouring corners have the cosine 1 / sqrt(5), others -1 / sqrt(5). */
+                /* A face joins three neighbouring corners. The directions of two neighbours have a cosine of
+                 * 1 / sqrt(5), about 0.45; those of two other corners have -1 / sqrt(5) or -1. */
                 const double least = 0.4;
                 if (cml_vec3_dot(corner[a], corner[b]) < least ||
                     cml_vec3_dot(corner[b], corner[c]) < least || cml_vec3_dot(corner[a], corner[c]) < least)
@@ -91,9 +93,9 @@ static void icosahedron(double corner[12][3], uint32_t face[20][3])
             }
 }
 
-/* Places a vertex of a face: i parts away from the face's first corner, j of them towards the third. Sums run
- * in the order of the corners' numbers, which every face lists rising. So faces that share an edge compute
- * the same bits there. */
+/* Places a vertex of a face: i parts away from the face's first corner, j parts towards the third corner.
+ * Sums run in the order of the corners' numbers, which rise in every face. Faces that share an edge therefore
+ * compute the same bits on it. */
 static void place_on_face(const double corner[12][3], const uint32_t face[3], int n, int i, int j,
                           const struct cml_scene_body *body, double out[3])
 {
@@ -191,6 +193,7 @@ int cml_body_segments(enum cml_body_form form, double tolerance)
     return (int)fmin(most, fmax(least, ceil(n)));
 }
 
+/* Makes the mesh of a body: a copy of a mesh, a sphere as a divided icosahedron, or a cylinder as a prism. */
 cml_status cml_body_mesh(const struct cml_scene_body *body, int n, bool around, struct cml_mesh *mesh,
                          struct cml_error *err)
 {

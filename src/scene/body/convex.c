@@ -145,10 +145,10 @@ static bool are_apart(const struct cml_convex *a, const struct cml_convex *b, do
     return false;
 }
 
-/* Returns an upper bound of the distance between the axis of a cylinder and the rim, around `middle`, of
- * another cylinder. This is the largest |v + r (q1 cos t + q2 sin t)| at 720 places, plus the most that can
- * lie between two of them. It never exceeds |v| + r, the distance for parallel axes, which is returned at
- * once if it already fits inside. */
+/* Returns an upper bound of the distance between the axis of cylinder `outer` and the rim, around `middle`,
+ * of cylinder `inner`. The bound is the largest |v + r (q1 cos t + q2 sin t)| at 720 places of the rim, plus
+ * the most by which the distance can be larger between two places. It never exceeds |v| + r, the distance for
+ * parallel axes. If |v| + r already fits inside, it is returned at once. */
 static double farthest_across(const struct cml_convex *outer, const struct cml_convex *inner,
                               const double middle[3])
 {

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Takes sizes as doubles, because the product of two ints from a file may not fit an int. */
+/* Allocates the heights of a map. nx, ny are doubles, because the product of two ints from a file may not fit
+ * an int. */
 cml_status cml_heightmap_allocate(const char *path, double nx, double ny, struct cml_heightmap *map,
                                   struct cml_error *err)
 {
@@ -76,9 +77,9 @@ void cml_heightmap_place(struct cml_heightmap *map, double scale, const double s
     map->y0 = map->y0 * scale + shift[1];
 }
 
-/* Returns the sum of squared slopes over one row of cells. In a cell, cut along either diagonal, two edges
- * along x and two along y belong to one triangle each. So the mean square of the slope is that of the
- * edges. */
+/* Returns the sum of squared slopes over one row of cells. A cell is cut along either diagonal into two
+ * triangles. Each triangle has one of the cell's two edges along x and one of its two edges along y. The mean
+ * square of the slope is therefore the mean over these edges. */
 static double slope_squares(const struct cml_heightmap *map, const double *h, int j)
 {
     const double *low = h + (size_t)j * (size_t)map->nx, *high = low + map->nx;

@@ -74,8 +74,8 @@ static double rim_mean(const struct cml_heightmap *map)
     return sum / weight;
 }
 
-/* Lists the samples of the rim that merged triangles still use. The skirt begins exactly at these; otherwise
- * slits would open. */
+/* Lists the samples of the rim that merged triangles still use. The skirt's inner vertices are exactly these
+ * samples; otherwise slits would open between map and skirt. */
 static void list_rim(struct builder *b)
 {
     const size_t length = rim_length(b->map);
@@ -114,8 +114,9 @@ static size_t add_outside(const struct cml_heightmap_notes *notes, struct cml_me
     return add_vertex(mesh, v[0] + sx * notes->skirt[0], v[1] + sy * notes->skirt[1], -notes->rim_mean);
 }
 
-/* Adds the skirt along the whole rim. At a corner of the map the skirt turns: it gets an outer vertex
- * straight out of either side, and one in the corner between them. */
+/* Adds the skirt, the strip of triangles between the scan and the outer plane, along the whole rim of the
+ * map. At a corner of the map the skirt gets three outer vertices: one straight out of either side, and one
+ * in the corner between them. */
 static void add_skirt(const struct builder *b, const struct cml_heightmap_notes *notes, struct cml_mesh *mesh)
 {
     static const int sx[4] = {0, 1, 0, -1}, sy[4] = {-1, 0, 1, 0};
@@ -169,7 +170,9 @@ static cml_status build(struct builder *b, const struct cml_heightmap_notes *not
 
 /* ---- the notes ---- */
 
-/* Sets the skirt's width. A skirt as wide as its highest step is nowhere steeper than 45 degrees. */
+/* Measures the rim of a heightmap: its mean height, and its largest distance from the mean. Sets the skirt's
+ * width to this distance or to one cell, whichever is larger, so that the skirt is nowhere steeper than 45
+ * degrees. */
 static void note_rim(const struct cml_heightmap *map, struct cml_heightmap_notes *notes)
 {
     const size_t length = rim_length(map);
@@ -228,8 +231,8 @@ static void clear(struct builder *b, double *surface)
     free(b->rim);
 }
 
-/* Merges samples first; only what is left becomes vertices and triangles. So a large map never has all its
- * triangles in memory. */
+/* Makes the mesh of a heightmap. Samples are merged first, and only the merged triangles and their corners
+ * are stored. A large map therefore never has all its triangles in memory. */
 cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance, enum cml_normals normals,
                               const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
                               struct cml_heightmap_notes *notes, struct cml_error *err)

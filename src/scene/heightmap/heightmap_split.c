@@ -55,8 +55,9 @@ static void bisect(const struct triangle *t, struct triangle half[2])
 
 /* ---- errors ---- */
 
-/* Returns the largest distance between samples and the plane of a triangle whose heights at a, b, c are
- * given. The plane's height at a middle is the mean of the heights at the side's ends. */
+/* Returns the largest vertical distance between the samples in a triangle and the triangle's plane. za, zb,
+ * zc: heights of the corners a, b, c. depths: how many times the triangle can be halved. At the middle of a
+ * side the plane's height is the mean of the heights at both ends. */
 static double largest_error(const struct cml_heightmap *map, const struct triangle *t, int depths, double za,
                             double zb, double zc)
 {
@@ -69,8 +70,8 @@ static double largest_error(const struct cml_heightmap *map, const struct triang
     return fmax(here, fmax(first, second));
 }
 
-/* True if a side lies on the rim and is longer than CML_RIM_CELLS. Such a side would be the base of a needle
- * in the skirt. */
+/* True if a side lies on the rim and is longer than CML_RIM_CELLS cells. Such a side would make the skirt's
+ * triangle a needle, far longer than wide. */
 static bool spans_rim(const struct cml_heightmap *map, struct point a, struct point b)
 {
     const bool upright = a.x == b.x && (a.x == 0 || a.x == map->nx - 1);
@@ -87,9 +88,10 @@ static double own_error(const struct cml_split *split, const struct triangle *t,
                          map->h[index_of(map, t->b)], map->h[index_of(map, t->c)]);
 }
 
-/* Updates the error at a triangle's middle. Errors are saturated: the error of a middle is at least that of
- * every middle below it. So one comparison decides whether to stop, and both triangles at a side decide alike
- * [P. Lindstrom and V. Pascucci, Visualization of large terrains made easy, IEEE Visualization 2001]. */
+/* Raises the error at a triangle's middle to its own error, and to the errors of the middles below it. Errors
+ * are thereby saturated: no middle has a smaller error than a middle below it. One comparison then decides
+ * whether to stop halving, and both triangles at a side decide alike [P. Lindstrom and V. Pascucci,
+ * Visualization of large terrains made easy, IEEE Visualization 2001]. */
 static void gather_error(struct cml_split *split, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = split->map;
@@ -125,6 +127,7 @@ static void square_at(int x, int y, int size, struct triangle half[2])
     half[1] = (struct triangle){low, high, {x, y + size}};
 }
 
+/* Computes the errors of all middles of a heightmap, from the smallest triangles upwards. */
 cml_status cml_split_create(const struct cml_heightmap *map, struct cml_split *split, struct cml_error *err)
 {
     const int cells = (map->nx < map->ny ? map->nx : map->ny) - 1;
@@ -160,7 +163,8 @@ struct walk {
     void *context;
 };
 
-/* Fills `surface` with the heights of a merged triangle at the samples that it covers. */
+/* Fills `surface` with the heights that a merged triangle has at the samples inside it. za, zb, zc: heights
+ * of its corners. */
 static void fill_surface(const struct walk *walk, const struct triangle *t, int depths, double za, double zb,
                          double zc)
 {
@@ -185,8 +189,8 @@ static void keep_triangle(const struct walk *walk, const struct triangle *t, int
     walk->visit(walk->context, corner);
 }
 
-/* Walks down from a triangle. Stops where the error of the middle, and so of every middle below, is within
- * the tolerance. */
+/* Refines a triangle: halves it, and its halves in turn, until the error at the middle is within the
+ * tolerance. The errors at all middles below are then within the tolerance, too. */
 static void refine(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_split *split = walk->split;
@@ -203,8 +207,9 @@ static void refine(const struct walk *walk, const struct triangle *t, int depth)
     for (int i = 0; i < 2; i++) refine(walk, &half[i], depth + 1);
 }
 
-/* Starts from squares of at most 256 x 256 cells. Merged, such a square is 2 triangles instead of 131072, and
- * larger squares would save hardly more. */
+/* Merges the triangles of a heightmap within the tolerance and visits those that remain. Begins with squares
+ * of at most 256 x 256 cells. Merged, such a square is 2 triangles instead of 131072, and larger squares
+ * would save hardly more. */
 void cml_split_walk(const struct cml_split *split, double tolerance, double *surface, cml_split_visit *visit,
                     void *context)
 {

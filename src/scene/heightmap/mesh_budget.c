@@ -29,6 +29,7 @@ static void name(const struct cml_mesh_budget *budget, char *text, size_t size)
         snprintf(text, size, "%.512s: %s %d", budget->file, what, number);
 }
 
+/* Checks a number of triangles against the budget. */
 cml_status cml_mesh_budget_check(const struct cml_mesh_budget *budget, double triangles, const char *remedy,
                                  struct cml_error *err)
 {

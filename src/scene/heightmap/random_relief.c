@@ -112,7 +112,8 @@ static void filter_noise(const struct cml_random_relief *relief, double complex 
 /* ---- heights ---- */
 
 /* Returns the rms gradient of the facets. One facet of each cell contains the cell's lower edge along x, the
- * other the upper edge, and likewise along y. So the mean square of the gradients is that of all edges. */
+ * other facet the upper edge, and likewise along y. The mean square of the gradients is therefore the mean
+ * over all edges. */
 static double rms_gradient(const struct cml_heightmap *tile)
 {
     double sum = 0;
@@ -137,6 +138,7 @@ static void scale_heights(const struct cml_random_relief *relief, struct cml_hei
     for (size_t i = 0; i < count; i++) map->h[i] -= mean;
 }
 
+/* Makes a random relief: filters noise, takes the real parts as heights, and scales them. */
 cml_status cml_random_relief_make(const struct cml_random_relief *relief, struct cml_heightmap *map,
                                   struct cml_error *err)
 {

@@ -81,15 +81,16 @@ double cml_tile_height(const struct cml_heightmap *tile, int64_t i, int64_t j)
     return tile->h[wrap(j, tile->ny) * tile->nx + wrap(i, tile->nx)];
 }
 
-/* Diagonals alternate as in the finest triangulation of heightmap_split.c. Across a seam with an odd number
- * of cells they do not. */
+/* Tells which diagonal cuts cell (i, j). Diagonals alternate from cell to cell, as in the finest
+ * triangulation of heightmap_split.c. They do not alternate across a seam between periods with an odd number
+ * of cells. */
 bool cml_tile_rises(const struct cml_heightmap *tile, int64_t i, int64_t j)
 {
     return (wrap(i, tile->nx) + wrap(j, tile->ny)) % 2 == 0;
 }
 
-/* Adds up the triangles' heights by cell. Both triangles of a cell contain the ends of its diagonal, and each
- * contains one of the other corners. */
+/* Computes the mean height of a tile as a sum over its cells. Both triangles of a cell have the two ends of
+ * its diagonal as corners, and each triangle has one of the cell's other corners. */
 double cml_tile_mean(const struct cml_heightmap *tile)
 {
     double sum = 0;
@@ -208,8 +209,9 @@ static void keep_closest(double upper, double lower, double x, double y, double 
     at[2] = upper;
 }
 
-/* Compares corners and middles of cells only. Both tiles are linear over the same half cells or, where their
- * diagonals differ, over the same quarters. So the gap is least at a corner or in the middle of a cell. */
+/* Finds where two tiles come closest, at corners and middles of cells only. Both tiles are linear over the
+ * same half cells or, where their diagonals differ, over the same quarters of cells. The gap is therefore
+ * least at a corner or in the middle of a cell. */
 bool cml_tile_closest(const struct cml_heightmap *upper, double z_upper, const struct cml_heightmap *lower,
                       double z_lower, double *gap, double at[3])
 {

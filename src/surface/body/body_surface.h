@@ -44,6 +44,6 @@ void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_bo
 /* Frees the surfaces, unless other scenes share them, and zeroes the structure. */
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces);
 
-/* Returns the area of a facet of the body as it is represented, cm2. */
+/* Returns the area of a facet of a body in its representation (exact or mesh), cm2. */
 double cml_body_facet_area(const struct cml_body_surface *surface, const struct cml_scene_body *body,
                            size_t facet);

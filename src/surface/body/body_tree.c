@@ -89,8 +89,8 @@ static void sort_by_host(const struct builder *b, int num_bodies, int num_media,
     first[0] = 0;
 }
 
-/* Builds the trees of all media. first[m] is the place of medium m's first body before, and its first node
- * afterwards. */
+/* Builds the trees of all media. Before, tree->first[m] is where medium m's bodies begin in b->index;
+ * afterwards, it is the number of the first node of medium m's tree. */
 static cml_status build_all(const struct builder *b, int num_bodies, int num_media, struct cml_error *err)
 {
     struct cml_body_tree *tree = b->tree;

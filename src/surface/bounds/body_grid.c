@@ -13,9 +13,11 @@
 #define MOST_CELLS 8192                /* cells of a layer: 256 KiB, for a core's cache beside all else */
 #define MOST_OF_ALL (512 * MOST_CELLS) /* cells of all layers: 128 MiB */
 #define CELLS_PER_MFP 8
-#define BAND 1      /* whole cells around the box of a body or triangle whose distances are computed */
-#define BEYOND 1.5f /* cells; the middles of all other cells are at least so far away */
-#define PAD 2       /* cells around the box of all bodies */
+#define BAND 1 /* whole cells around the box of a body or triangle whose distances are computed */
+/* A distance in cells: the middle of a cell outside the band of a body or triangle is at least so far away
+ * from it. */
+#define BEYOND 1.5f
+#define PAD 2 /* cells around the box of all bodies */
 /* Smallest size of a cell, in roundings of the largest coordinate. CML_CELL_MARGIN of a cell is then eight
  * roundings. A packet's place, its path and the grid's corner need one or two of these each. */
 #define LEAST_ROUNDINGS (8 / CML_CELL_MARGIN)
@@ -25,7 +27,8 @@ struct filling {
     const struct cml_scene *scene;
     double depth; /* depth of the layer's frame, cm */
     const struct cml_body_cells *cells;
-    float *closest; /* distance of each cell's middle from the closest surface within BAND */
+    float *closest; /* distance of each cell's middle from the closest surface, INFINITY if none has the cell
+                       in its band; at last a lower bound of the distance */
     float *far;     /* lower bound of each middle's distance from all surfaces, from the cells that
                        surfaces pass; squared at first */
     struct cml_body_patch *patch;
@@ -107,8 +110,8 @@ static double distance_to(const struct part *part, const double p[3])
     return cml_vec3_length(closest);
 }
 
-/* Notes a part's distance from the middle of a cell and, if the part may pass the cell, adds it to the cell's
- * patch. */
+/* Lowers the distance of a cell's middle from the closest surface to that of a part (a body or a facet). Adds
+ * the part to the cell's patch if the part may pass the cell. */
 static void fill_cell(struct filling *f, const struct part *part, int x, int y, int z)
 {
     double middle[3];
@@ -123,7 +126,7 @@ static void fill_cell(struct filling *f, const struct part *part, int x, int y, 
         cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
 }
 
-/* Adds a part to all cells in its band. */
+/* Fills the cells that a part's box touches, and BAND more cells around it. */
 static void fill_band(struct filling *f, const struct part *part)
 {
     int from[3], to[3];
@@ -321,7 +324,8 @@ static void box_of_bodies(const struct cml_scene *scene, int layer, double lower
     }
 }
 
-/* Chooses cubes, about `most` of them, over the box around all bodies of the layer and a little more. */
+/* Chooses the grid of a layer: cubic cells over the box around all bodies of the layer, and PAD more cells on
+ * each side. The grid has about `most` cells or fewer. */
 static void lay_out(const struct cml_scene *scene, const double origin[2], int layer, double depth,
                     double most, struct cml_body_cells *cells)
 {
@@ -363,6 +367,7 @@ static cml_status find_media(const struct cml_scene *scene, struct cml_body_grid
     return cml_fail_memory(err, grids->count * (double)sizeof *grids->item, "the bounds of bodies");
 }
 
+/* Lays out the grid of each layer that has bodies, then fills all grids with balls in one array. */
 cml_status cml_body_grids_create(const struct cml_scene *scene, const double origin[2], const double *depths,
                                  struct cml_body_grids *grids, struct cml_error *err)
 {

@@ -38,8 +38,8 @@ static void add_plane(int body, const double axis[3], double sign, double height
     patch->cosine = 1;
 }
 
-/* Adds a face of a cylinder. If two of its three faces come close, two planes are of no use, and the patch is
- * mixed. */
+/* Adds to a patch the face of a cylinder that comes close: its side or one of its two ends. If two faces come
+ * close, two planes are of no use, and the patch becomes mixed. */
 static void add_cylinder(int body, const struct cml_convex *cylinder, const double from_end[3], double cell,
                          struct cml_body_patch *patch)
 {
@@ -99,9 +99,9 @@ static inline double leg(double hypotenuse, double other)
     return sqrt(cml_larger(0, hypotenuse * hypotenuse - other * other));
 }
 
-/* Computes the range of heights, over a plane through the origin, of the part of a second surface within
- * `distance` of the origin. cosine: of the angle between the two normals. lower, upper: heights of the second
- * surface along its own normal. */
+/* Computes the range of heights, above a plane through the origin, of a second surface within `distance` of
+ * the origin. cosine: cosine of the angle between the normals of plane and surface. lower, upper: range of
+ * heights of the second surface along its own normal. */
 static inline void heights_over(double cosine, double distance, double lower, double upper, double range[2])
 {
     const double nearest = lower > 0 ? lower : (upper < 0 ? -upper : 0);
@@ -190,8 +190,8 @@ static bool reaches_into(const struct neighbour *neighbour, double radius)
     return neighbour->square < (radius + CML_CELL_REACH) * (radius + CML_CELL_REACH);
 }
 
-/* Widens the planes of a view by a neighbour's patch. Two bounds of the patch's heights are intersected: from
- * its range within its own cell, and within the ball. */
+/* Moves the planes of a view apart to include the surface of a neighbour's patch. Two bounds of the surface's
+ * heights are intersected: its range within the neighbour's own cell, and its range within the ball. */
 static void add_heights(const struct neighbour *neighbour, double radius, struct view *view)
 {
     const struct cml_body_patch *patch = neighbour->patch;
@@ -239,8 +239,9 @@ static bool make_view(const struct neighbour *neighbour, int count, double radiu
     return view->lower <= view->upper;
 }
 
-/* Returns the ball of a view. The planes are moved apart by the margin, and the ball is shrunk by it.
- * steepest = 2 means that no direction is steep enough to cross the surface only once. */
+/* Returns the ball of a view, smaller by CML_CELL_MARGIN than `radius`, with its planes moved apart by this
+ * margin. A direction whose component along the normal exceeds `steepest` crosses the surface at most once; 2
+ * means that no direction is steep enough. */
 static struct cml_body_ball ball_of_view(const struct view *view, double radius)
 {
     const double sine = leg(1, view->cosine) + 1e-3;
@@ -255,9 +256,9 @@ static struct cml_body_ball ball_of_view(const struct view *view, double radius)
     return ball;
 }
 
-/* Returns the best ball around the middle of cell `at`. Among balls with a surface, the best is large and has
- * its planes close together. A ball without a surface is chosen if it is as good. Large balls are tried
- * first, because then few others need to be computed. */
+/* Returns the best ball around the middle of cell `at`. A ball that contains a surface is good if it is large
+ * and its planes are close together. A ball without a surface wins against a ball that is no better. Large
+ * balls are tried first, because few other balls must then be computed. */
 struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patch *patch,
                                       const float *distance, const int *next, const int at[3])
 {

@@ -19,7 +19,7 @@
 
 /* The surfaces that come within CML_CELL_REACH of the middle of a cell. */
 struct cml_body_patch {
-    int body;            /* number of the only body there, CML_PATCH_NONE or CML_PATCH_MIXED */
+    int body; /* number of the only body whose surface comes near, or CML_PATCH_NONE or CML_PATCH_MIXED */
     double normal[3];    /* unit vector, outwards: the mean of the surface's normals */
     double lower, upper; /* heights of the two planes over the middle, along `normal`, cells */
     double cosine;       /* cosine of the greatest angle between `normal` and a normal of the surface */
@@ -31,13 +31,13 @@ enum { CML_PATCH_NONE = -1, CML_PATCH_MIXED = -2 /* several bodies, or a surface
 void cml_patch_add_convex(int body, const struct cml_convex *convex, const double p[3], double cell,
                           struct cml_body_patch *patch);
 
-/* Adds a facet of a mesh that comes within CML_CELL_REACH of the middle to the mean normal. All facets must
- * be added so before cml_patch_add_heights is called for the first. corner: relative to the middle, in
- * cells. */
+/* Adds a facet of a mesh to the patch's mean normal. The facet comes within CML_CELL_REACH of the cell's
+ * middle. All facets must be added before the first call of cml_patch_add_heights. corner: relative to the
+ * middle, in cells. */
 void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_patch *patch);
 
-/* Widens the two planes by a facet of a mesh, after the normals of all facets have been added. corner:
- * relative to the middle, in cells. */
+/* Moves the two planes of a patch apart to include a facet of a mesh. The normals of all facets must have
+ * been added before. corner: relative to the middle, in cells. */
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch);
 
 /* The ball of a cell, with the members of struct cml_body_cell in kernels/types.h. body: the only body whose
@@ -47,8 +47,8 @@ struct cml_body_ball {
     int body;
 };
 
-/* Sets next[] for every cell of the grid to the x of the first cell in its row, from the cell itself on, that
- * a surface may pass; n[0] if there is none. patch, distance: as for cml_body_ball_of. */
+/* Sets next[c], for every cell c of the grid, to the x of a cell in the row of c: the first cell, from c
+ * itself on, that a surface may pass; n[0] if there is none. patch, distance: as for cml_body_ball_of. */
 void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *distance, int *next);
 
 /* Returns the best ball around the middle of cell `at` (x, y, z). patch: of all n[0] n[1] n[2] cells, x

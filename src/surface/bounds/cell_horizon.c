@@ -27,8 +27,8 @@ struct view {
     const float *reach;       /* [size][size] how far the mesh reaches towards the packet above each cell,
                                  cm */
     float *far_one, *far_two; /* [size][size] furthest reach of cells one and two cells away, cm */
-    float *steepest, *nearby; /* [size][size] slope of the steepest facet above a cell; above the cell and
-                                 the cells that touch it */
+    float *steepest, *nearby; /* [size][size] steepest: slope of the steepest facet above a cell; nearby:
+                                 slope of the steepest facet above the cell and the cells that touch it */
 };
 
 /* Returns the number of a cell in a level of `size` rows and columns. */
@@ -93,10 +93,10 @@ static void find_nearby(const struct view *view)
             view->nearby[cell_at(view->size, x, y)] = steepest_nearby(view, x, y);
 }
 
-/* Returns the greatest slope at which any place of a cell of the finest view sees another place. ground: a
- * depth beyond which every packet in the cell lies, cm, positive towards its side. The slope of a level's
- * view is bounded by the steepest facet above the cells that touch the cell's parent, as all that it sees
- * lies there. */
+/* Returns an upper bound of the slope at which any place of a cell (x, y) of the finest view sees another
+ * place of the mesh. ground: a depth beyond which every packet in the cell lies, cm, positive towards the
+ * packet's side. On each level, no slope exceeds that of the steepest facet above the cells that touch the
+ * cell's parent, because the parts that this level sees lie above these cells. */
 static float steepest_view(const struct view *view, int levels, int x, int y, float ground)
 {
     float most = view[0].nearby[cell_at(view[0].size, x, y)];

@@ -8,11 +8,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEAST_LEVELS = 5, MOST_LEVELS = CML_HORIZON_MOST_LEVELS }; /* of squares: 16 to 512 cells a side */
+enum {
+    LEAST_LEVELS = 5,
+    MOST_LEVELS = CML_HORIZON_MOST_LEVELS
+};                                /* levels of a map of squares: 16 to 512 cells along a side */
 enum { MOST_RADIAL_LEVELS = 11 }; /* levels of rows: up to 1024 cells; CML_DEPTH_LEVELS of kernels/types.h */
 
-/* Share of a cell by which shapes are widened before their cells are found. Cell numbers up to 1024, computed
- * in float, are off by 3e-5. */
+/* Margin by which shapes are widened before their cells are found, as a share of a cell. It exceeds rounding:
+ * cell numbers up to 1024, computed in float, are off by 3e-5. */
 static const double err_cell = 1e-3;
 
 /* Share of a map's extent by which depths are widened. Positions in the map, in float, are off by 6e-8
@@ -25,7 +28,8 @@ size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
     return map->form == CML_BOUNDS_RADII ? side : side * side;
 }
 
-/* Allocates a map of so many levels. No cell has a depth yet. Returns CML_E_INPUT if memory runs out. */
+/* Allocates a map with the given number of levels. No cell has a depth yet. Returns CML_E_INPUT if memory
+ * runs out. */
 static cml_status allocate(int levels, enum cml_bounds_form form, struct cml_depth_map *map,
                            struct cml_error *err)
 {
@@ -50,7 +54,7 @@ void cml_depth_map_clear(struct cml_depth_map *map)
     *map = (struct cml_depth_map){0};
 }
 
-/* Widens the bounds of a cell of level 0 to include the depths least..most, cm. */
+/* Extends the depth range of a cell of level 0 to include the depths least..most, cm. */
 static void widen_cell(struct cml_depth_map *map, int ix, int iy, double least, double most)
 {
     const size_t cell = (size_t)iy * (size_t)map->size + (size_t)ix;
@@ -131,8 +135,8 @@ static struct triangle_plane plane_of(const double p[3], const double q[3], cons
     return t;
 }
 
-/* Widens a cell by the depths of a triangle over it: depths of its plane there, limited to its box. Notes the
- * triangle's slope, too. */
+/* Extends the depth range of a cell by the depths of a triangle's plane over the cell, limited to the
+ * triangle's own depths. Notes the triangle's slope, too. */
 static void cover_cell(struct cml_depth_map *map, const struct triangle_plane *t, int ix, int iy,
                        float *steepest)
 {
@@ -151,7 +155,7 @@ static void cover_cell(struct cml_depth_map *map, const struct triangle_plane *t
     *slope = fmaxf(*slope, t->slope);
 }
 
-/* Widens *lower..*upper by the x range of the part of the edge from p to q that lies in from <= y <= to. */
+/* Extends *lower..*upper to include the range of x of the edge from p to q where from <= y <= to. */
 static void clip_edge(const double *p, const double *q, double from, double to, double *lower, double *upper)
 {
     const double *low = p[1] < q[1] ? p : q, *high = low == p ? q : p, ends[2] = {from, to};
@@ -164,8 +168,8 @@ static void clip_edge(const double *p, const double *q, double from, double to, 
     }
 }
 
-/* Widens all cells that a triangle reaches, row by row. The cells of its box would be a thousand times as
- * many for an oblique needle. */
+/* Extends the depth ranges of all cells that a triangle reaches, row by row. An oblique, thin triangle
+ * reaches a thousandth of the cells of its box. */
 static void cover_triangle(struct cml_depth_map *map, const struct triangle_plane *t, const double *corner[3],
                            float *steepest)
 {
@@ -180,8 +184,8 @@ static void cover_triangle(struct cml_depth_map *map, const struct triangle_plan
     }
 }
 
-/* Widens every cell that is not entirely inside the rectangle by the outer plane at z; all cells if `lower`
- * is NULL. */
+/* Extends the depth range of each cell that is not entirely inside the rectangle to include the outer plane
+ * at z. NULL for `lower`: extends all cells. */
 static void cover_outside(struct cml_depth_map *map, double z, const double lower[2], const double upper[2])
 {
     for (int iy = 0; iy < map->size; iy++)
@@ -208,8 +212,8 @@ static bool fills_its_box(const struct cml_mesh *mesh)
     return fabs(fabs(area) - box) <= 1e-9 * box;
 }
 
-/* Widens the cells by a mesh and its outer plane. steepest: [cells of the horizons' level] zeros on entry;
- * becomes the slope of the steepest facet above each cell. */
+/* Extends the cells' depth ranges to include a mesh and its outer plane. steepest: [cells of the horizons'
+ * level] zeros on entry; becomes the slope of the steepest facet above each cell. */
 static void cover_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map, float *steepest)
 {
     for (size_t i = 0; i < mesh->num_triangles; i++) {
@@ -266,8 +270,8 @@ cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_m
 
 /* ---- tiles ---- */
 
-/* Returns how many periods along the axis are about as long as the other axis's period; fewer if that would
- * be too many cells of the tile. */
+/* Returns how many periods of a tile along `axis` the map covers: so many that they are about as long as a
+ * period along the other axis, but fewer if the map would cover too many cells of the tile. */
 static int periods_along(const struct cml_heightmap *tile, int axis)
 {
     const double most_cells = 4194304, ratio = cml_tile_period(tile, 1 - axis) / cml_tile_period(tile, axis);
@@ -275,7 +279,8 @@ static int periods_along(const struct cml_heightmap *tile, int axis)
     return (int)fmax(1, fmin(rint(ratio), most));
 }
 
-/* Allocates the map of a tile: levels as for a square, but without cells around it. */
+/* Allocates the map of a tile. It has as many levels as the map of a mesh with as many triangles, but it
+ * covers only whole periods, without cells around them. */
 static cml_status allocate_period(const struct cml_heightmap *tile, const int periods[2],
                                   struct cml_depth_map *map, struct cml_error *err)
 {
@@ -288,8 +293,8 @@ static cml_status allocate_period(const struct cml_heightmap *tile, const int pe
     return CML_OK;
 }
 
-/* Widens the cells below a triangle. A triangle beside the map is skipped unless it is within rounding of the
- * map's ends. */
+/* Extends the depth ranges of the map's cells to include a triangle. Skips a triangle that lies beside the
+ * map by more than rounding. */
 static void cover_if_inside(struct cml_depth_map *map, const double *corner[3], float *steepest)
 {
     const struct triangle_plane t = plane_of(corner[0], corner[1], corner[2]);
@@ -300,8 +305,8 @@ static void cover_if_inside(struct cml_depth_map *map, const double *corner[3], 
     cover_triangle(map, &t, corner, steepest);
 }
 
-/* Widens the map by all cells of the tile in it, and one more cell on each side. Only one row at a time has
- * triangles, to save memory. */
+/* Extends the depth ranges of the map by all cells of the tile that lie over the map, and by one more cell on
+ * each side. Only one row of cells at a time is made into triangles, to save memory. */
 static cml_status cover_tile(const struct cml_heightmap *tile, const int periods[2],
                              struct cml_depth_map *map, float *steepest, struct cml_error *err)
 {
@@ -319,6 +324,8 @@ static cml_status cover_tile(const struct cml_heightmap *tile, const int periods
     return CML_OK;
 }
 
+/* Builds the map of a tile: the depths over one or more periods, then the coarser levels, then the horizons.
+ */
 cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_depth_map *map,
                                  struct cml_error *err)
 {
@@ -349,7 +356,8 @@ static double profile_depth(const double *r, const double *z, int n, int i, doub
     return z[i] + (z[i + 1] - z[i]) * ((at - r[i]) / (r[i + 1] - r[i]));
 }
 
-/* Widens a cell by the depths of the profile over a range of radii: at its ends and at the samples inside. */
+/* Extends the depth range of a cell to include the profile between two radii: the profile's depths at both
+ * radii and at the samples between them. */
 static void cover_radii(struct cml_depth_map *map, const double *r, const double *z, int n, double from,
                         double to, int cell)
 {
@@ -361,6 +369,8 @@ static void cover_radii(struct cml_depth_map *map, const double *r, const double
     widen_cell(map, cell, 0, last, last);
 }
 
+/* Builds the map of a radial heightfield, with a row of cells from the axis outwards. The last cell extends
+ * to infinity. */
 cml_status cml_depth_map_of_rings(const double *r, const double *z, int n, struct cml_depth_map *map,
                                   struct cml_error *err)
 {

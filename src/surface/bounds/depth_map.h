@@ -12,8 +12,8 @@ struct cml_depth_map {
     int levels, size;
     enum cml_bounds_form form; /* CML_BOUNDS_RADII: cells in a row from the axis outwards; else cells in a
                                   square */
-    double corner[2], cell[2]; /* cm; corner from the scene's z axis; cells are squares, except those of a
-                                  tile */
+    double corner[2], cell[2]; /* corner: smallest x and y of the map from the scene's z axis, cm; cell: size
+                                  of a cell, cm, equal along x and y except on a tile */
     size_t cells;              /* number of cells of all levels */
     float *deepest, *highest;  /* [cells] greatest and least z, boundary's frame, cm */
     float *horizon[2];         /* horizons of a mesh (cell_horizon.h), seen from below and from above; NULL
@@ -31,8 +31,9 @@ CML_NODISCARD cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, stru
 CML_NODISCARD cml_status cml_depth_map_of_rings(const double *r, const double *z, int n,
                                                 struct cml_depth_map *map, struct cml_error *err);
 
-/* Builds the map of a tile, whose heights count up from z = 0: over one period, or over so many periods along
- * the shorter axis that the cells are about square. Returns CML_E_INPUT if memory runs out. */
+/* Builds the map of a tile, whose heights count up from z = 0. The map covers one period or, along the
+ * shorter axis of the period, several, so that cells are about square. Returns CML_E_INPUT if memory runs
+ * out. */
 CML_NODISCARD cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_depth_map *map,
                                                struct cml_error *err);
 

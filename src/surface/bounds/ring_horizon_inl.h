@@ -41,11 +41,13 @@ static inline void cml_raise_horizon(const real *r, const real *z, int n, real s
     }
 }
 
-/* Computes the horizons of n rings, real [n], for packets on one side: the largest slope, at least 0, at
- * which any place of the surface is seen from any place of the ring. They are raised by a thousandth, more
- * than rounding can turn a direction (1e-7 in float). Places inside a ring see nothing more steeply than its
- * ends do, and the ends see each other. Across the axis nothing is seen more steeply than along the same
- * radius. r, z: real [n], cm. scratch: int [n]. */
+/* Computes the horizon of each of n rings for packets on one side of the surface. The horizon is the largest
+ * slope, at least 0, at which any place of the surface is seen from any place of the ring; a packet that
+ * leaves the ring more steeply meets no ring again. Each end of a ring sees the other end, and sees every
+ * place at least as steeply as the places inside the ring do. Places across the axis are seen no more steeply
+ * than places along the same radius. Horizons are raised by a thousandth and by CML_HORIZON_RAISED, more than
+ * rounding can turn a direction (1e-7 in float). side: +1 below the surface, -1 above it. r, z: real [n], cm.
+ * scratch: int [n]. */
 static inline void cml_ring_horizons(const real *r, const real *z, int n, real side, int *scratch,
                                      real *horizon)
 {

@@ -11,7 +11,9 @@
 #define CELLS_PER_EDGE 6 /* cells along the edge of a mean facet */
 #define MOST_ALONG 64    /* cells along the longest side of the box, at most: a cache must hold the map */
 #define AROUND 2         /* cells added on every side of the box */
-#define FAR 8 /* times a block's reach: so far from the surface, the block's middle decides for its cells */
+/* A block gives its cells one safe distance, that of its middle, if the surface is at least FAR times the
+ * block's reach away. */
+#define FAR 8
 
 struct filling {
     const struct cml_centred_mesh *centred;
@@ -181,7 +183,8 @@ static void find_facets(struct filling *f)
     }
 }
 
-/* Fills the map, beginning with one block around all of its cells. */
+/* Fills the map of safe distances. Begins with one block, a cube of 2^level cells along an edge, that
+ * contains all cells of the map. */
 static void fill(struct filling *f)
 {
     struct block whole = {.level = 2};

@@ -44,13 +44,15 @@ struct cml_grid_lanes {
     real s[CML_GRID_LANES];                                          /* length of the path, cm */
     /* The answers of the search: */
     int answer[CML_GRID_LANES], primitive[CML_GRID_LANES];
-    real t[CML_GRID_LANES];                                                /* distance of the crossing, cm */
-    real at_x[CML_GRID_LANES], at_y[CML_GRID_LANES], at_z[CML_GRID_LANES]; /* position there or at the end */
+    real t[CML_GRID_LANES]; /* distance of the crossing, cm */
+    real at_x[CML_GRID_LANES], at_y[CML_GRID_LANES],
+        at_z[CML_GRID_LANES]; /* position at the crossing, or at the path's end if there is no crossing */
     real normal_x[CML_GRID_LANES], normal_y[CML_GRID_LANES], normal_z[CML_GRID_LANES];
     /* Intermediate values, in double, in the centred frame: */
     double origin[3][CML_GRID_LANES], direction[3][CML_GRID_LANES];
-    double end[CML_GRID_LANES], err[CML_GRID_LANES]; /* length of the path; err_query */
-    double way[CML_GRID_LANES];                      /* distance from the packet to the place found */
+    double end[CML_GRID_LANES],
+        err[CML_GRID_LANES];    /* end: length of the path, cm; err: err_query of rounding.h */
+    double way[CML_GRID_LANES]; /* distance from the packet to the place found */
     int cell[2][CML_GRID_LANES], index[CML_GRID_LANES];
 };
 

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Widens a cell's depths. The depths are rounded outwards to whole steps; the mesh itself lies within the
- * 16-bit range. */
+/* Extends a cell's depth range to include the depths least..most. Depths are rounded outwards to whole steps.
+ * The mesh itself lies within the range of 16 bits. */
 void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, double most,
                                 struct cml_grid_mesh_depths *depths)
 {
@@ -24,6 +24,7 @@ static size_t all_slots(const struct cml_grid_mesh *grid)
     return slots;
 }
 
+/* Allocates the levels of a grid, each with a quarter of the cells along an axis, until one tile remains. */
 cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid,
                                  struct cml_error *err)
 {

@@ -24,8 +24,9 @@ struct cml_sheet_facet {
                            NaN if the facet is too thin for float */
 };
 
-/* Range of depths of the facets above a cell, in steps above cml_grid_mesh.z. Widened by err_float and by
- * err_apart times the facets' slope. least > most if there are no facets. */
+/* Range of depths of the facets above a cell, in depth steps from cml_grid_mesh.z. The range is widened by
+ * the bound of rounding err_float, and by err_apart times the facets' slope. least > most if the cell has no
+ * facets. */
 struct cml_grid_mesh_depths {
     uint16_t least, most;
 };
@@ -73,7 +74,7 @@ static inline size_t cml_grid_mesh_slots(const struct cml_grid_mesh_level *level
 CML_NODISCARD cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred,
                                                struct cml_grid_mesh *grid, struct cml_error *err);
 
-/* Widens a cell's depths to include least..most (cm, centred frame), rounded outwards. */
+/* Extends a cell's depth range to include the depths least..most (cm, centred frame), rounded outwards. */
 void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, double most,
                                 struct cml_grid_mesh_depths *depths);
 

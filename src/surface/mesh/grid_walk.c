@@ -7,13 +7,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Rays that enter the grid's box further away than this many half widths of the mesh are left to the exact
- * query. There t u would lose too many digits; the exact query moves the ray's origin to the box first. */
+/* Largest distance, in half widths of the mesh, at which a ray may enter the grid's box. A ray that enters
+ * further away is left to the exact query, because t u loses too many digits there. The exact query first
+ * moves the ray's origin to the box. */
 static const double farthest_entry = 16;
 
-/* A traversal begins at the lowest level at which the ray's first and last nodes are less than this many
- * nodes apart. For a ray over more nodes, a higher level skips blocks that the ray never comes near; for a
- * ray over fewer nodes, descending costs more than skipping saves. */
+/* A walk begins at the lowest level at which the ray's first and last nodes are fewer than most_nodes nodes
+ * apart. For a ray over more nodes, a higher level skips blocks that the ray never comes near. For a ray over
+ * fewer nodes, descending costs more than skipping saves. */
 static const int most_nodes = 3;
 
 /* Stands for 1 / 0 if a ray does not move along an axis: the ray reaches no border there. It is finite, so
@@ -31,7 +32,7 @@ struct axis {
     double inverse; /* 1 / speed, cm per cell or step, signed */
 };
 
-/* The data that stay the same from node to node. */
+/* The data of one walk that do not change from node to node. */
 struct traversal {
     const struct cml_grid_mesh *grid;
     struct cml_mesh_query *q;
@@ -49,7 +50,8 @@ struct range {
     int first[2], last[2];
 };
 
-/* Returns the ray along one axis, with `never` for the inverse of a speed of 0. */
+/* Returns the ray along one axis. If the speed is about 0, the inverse is `never`, which stands for infinity.
+ */
 static struct axis make_axis(double origin, double speed)
 {
     return (struct axis){origin, speed, fabs(speed) > 1 / never ? 1 / speed : never};
@@ -153,9 +155,10 @@ static enum verdict intersect_cell(const struct traversal *w, size_t index, stru
     return HIT;
 }
 
-/* Returns the part in which the ray is between the depths of a node; empty (t_min > t_max) if there is none.
- * Depths are already widened by more than rounding. A node without facets has least > most. Sorting turns
- * these into the full range of depths, so the node is entered and its cells are undecided. */
+/* Returns the part of the ray that lies between the depths of a node's facets; empty (t_min > t_max) if there
+ * is none. The depths are already widened by more than rounding. A node without facets has least > most.
+ * Sorting turns these two into the full range of depths. Such a node is therefore entered, and its cells
+ * leave the answer undecided. */
 static struct interval clip_to_depths(const struct traversal *w, struct cml_grid_mesh_depths depths,
                                       struct interval part)
 {
@@ -201,10 +204,10 @@ static struct range children_of(const struct traversal *w, int level, const int 
     return range;
 }
 
-/* Visits a node over which the ray is in `part`, and surely at `enter`. Skips the node if the ray stays above
- * or below its depths. Otherwise tests the facets of a cell, or traverses a block's children from the place
- * where the ray comes within the block's depths. If that place lies on a border between children, the
- * traversal starts at `enter`. */
+/* Visits a node, over which the ray is along `part`, and surely at the distance `enter`. Skips the node if
+ * the ray stays above or below the depths of its facets. In a cell, tests all listed facets. In a block,
+ * walks through the children, from the place where the ray comes within the block's depths. If this place
+ * lies on a border between children, the walk starts at `enter`. */
 static enum verdict visit_node(const struct traversal *w, int level, const int node[2], double enter,
                                struct interval part)
 {
@@ -229,11 +232,11 @@ static double leave_at(const struct traversal *w, int k, int node, double size)
     return ((node + (axis->inverse > 0)) * size - axis->origin) * axis->inverse;
 }
 
-/* Traverses the nodes of a range (Amanatides and Woo), each time across the border that the ray reaches
- * first, until a node is hit or the ray or the range ends. `enter`: a distance in `part` at which the ray is
- * in the first node. Each node gets its part of the ray widened by err_cell at both ends, so that a facet at
- * a border is tested on both sides. A ray that crosses a border near a corner is undecided, because its next
- * node is not certain. */
+/* Walks along the ray through the nodes of a range (Amanatides and Woo), each time across the border that the
+ * ray reaches first, until a node is hit or the ray or the range ends. `enter`: a distance in `part` at which
+ * the ray is in the first node. Each node tests its part of the ray, widened by err_cell at both ends, so
+ * that a facet at a border is tested from both nodes. Returns UNDECIDED if the ray crosses a border near a
+ * corner, because the next node is then not certain. */
 static enum verdict traverse(const struct traversal *w, int level, const struct range *range, int node[2],
                              double enter, struct interval part)
 {
@@ -294,6 +297,8 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
     return verdict == MISS && ends_inside && !ends_in_cell ? UNDECIDED : verdict;
 }
 
+/* Walks over the cells below the part of the ray that lies between the mesh's depths. A ray that begins far
+ * away is undecided, and so is a ray from beside the grid that may reach the grid. */
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->centred->upper[0];

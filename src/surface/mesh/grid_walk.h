@@ -23,10 +23,10 @@
 
 #include "surface/mesh/grid_mesh.h"
 
-/* Searches the first crossing of the mesh before q->t. Returns true if decided; a crossing, if any, has been
- * added to *q. Returns false if undecided; q's hit is unchanged, and another search must decide. In both
- * cases q->in_doubt is set if the origin is within q->contact_distance of a tested facet. q: prepared by
- * cml_query_begin for the grid's mesh. */
+/* Searches for the first crossing of the mesh before q->t. Returns true if the search is decided, and adds
+ * the crossing, if there is one, to *q. Returns false if rounding could change the answer: q's hit is then
+ * unchanged, and another search must decide. In both cases sets q->in_doubt if the origin is within
+ * q->contact_distance of a tested facet. q: prepared by cml_query_begin for the grid's mesh. */
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q);
 
 /* True if the ray, up to its best crossing or its end, stays well over the inner rectangle of the grid, so

@@ -49,9 +49,10 @@ static struct chord between_edges(const struct cml_centred_mesh *centred, int pr
     return chord;
 }
 
-/* Returns the distance of the crossing. At a corner, rounding may make the chord's length negative. If
- * rounding puts the crossing before `least`, the crossing is taken as late as rounding and the facet allow; a
- * facet that is met at once would otherwise be met again and again. */
+/* Returns the distance along a line to its crossing with a facet. At a corner, rounding may make the length
+ * of the chord negative. If rounding puts the crossing before `least`, the crossing is put as late as
+ * rounding and the facet allow. Otherwise a packet could meet the facet on which it stands again and again.
+ */
 double cml_facet_crossing(const struct cml_centred_mesh *centred, int primitive, const double from[3],
                           const double direction[3], double least)
 {

@@ -10,6 +10,7 @@
 #include <limits.h>
 #include <math.h>
 
+/* Begins to follow a line: sets its starting point, the path's length and empty winding numbers. */
 void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max,
                     struct cml_line_parts *parts)
 {
@@ -68,7 +69,8 @@ static double crossing_of(const struct cml_mesh_query *q, int primitive, double 
     return cml_facet_crossing(q->centred, primitive, q->origin, q->direction, least);
 }
 
-/* Takes account of a crossing ahead at distance t. way: +1 upwards, -1 downwards. */
+/* Keeps a crossing ahead at distance t if it is the first exiting one, or the closest entering one. way: +1
+ * upwards, -1 downwards. */
 static void keep_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     if (!is_exiting(line->q, way)) {
@@ -80,7 +82,8 @@ static void keep_crossing(struct cml_mesh_line *line, int primitive, int way, do
     }
 }
 
-/* Adds a crossing ahead to the winding number, and takes account of it. */
+/* Adds a crossing ahead to the winding number. Keeps the crossing if it is the first exiting or the closest
+ * entering one. */
 static void add_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     line->winding_ahead += way;
@@ -110,7 +113,7 @@ static void add_to_lot(struct cml_line_parts *parts, const struct cml_line_cross
     parts->item[i] = *crossing;
 }
 
-/* Counts a crossing for all crossings of the same part in the lot that lie before it. */
+/* Adds the direction of a crossing to `around` of all crossings of its part that lie before it in the lot. */
 static void look_behind(struct cml_line_parts *parts, const struct cml_line_crossing *crossing)
 {
     for (int i = 0; i < parts->count; i++)
@@ -167,6 +170,8 @@ static int parts_around(const struct cml_line_parts *parts, double t)
     return parts->more && t >= parts->item[LOT - 1].t ? INT_MAX : around;
 }
 
+/* Ends a pass over the triangles. A union takes passes that collect crossings, look for crossings behind
+ * them, and look for facets beside the line; other meshes take one. */
 bool cml_line_goes_on(struct cml_mesh_line *line)
 {
     struct cml_line_parts *parts = line->parts;
@@ -240,9 +245,9 @@ static void add_exit(struct cml_mesh_line *line, int primitive, double t)
     }
 }
 
-/* Notes if the path ends close to a facet. A packet that interacts near an edge may be beyond the edge, and
- * leave where no line meets a facet, so its next query must know. height: of the facet's plane above the
- * origin, along the facet's normal. */
+/* Sets line->ends_near_facet if the path ends close to this facet. A packet that interacts near an edge may
+ * be beyond the edge, and leave where no line meets a facet; its next query must therefore know. height:
+ * height of the facet's plane above the origin, along the facet's normal. */
 static void add_end(struct cml_mesh_line *line, int primitive, double height)
 {
     const struct cml_mesh_query *q = line->q;
@@ -253,7 +258,8 @@ static void add_end(struct cml_mesh_line *line, int primitive, double height)
     line->ends_near_facet = cml_facet_distance(q->centred, primitive, end) <= line->err_line;
 }
 
-/* Takes account of a facet. The exact side of the facet's plane on which line->from lies tells whether a
+/* Adds a facet to the data of a line: its crossing, if the line meets it, and the places where the path ends
+ * near it or leaves near it. The exact side of the facet's plane on which line->from lies tells whether the
  * crossing is ahead; a rounded distance could not. */
 void cml_line_add(struct cml_mesh_line *line, int primitive)
 {
@@ -281,16 +287,18 @@ void cml_line_add(struct cml_mesh_line *line, int primitive)
     add_end(line, primitive, height);
 }
 
-/* True if the line still has the outer plane ahead. A line in the plane counts as moved, as in
- * cml_plane_side. */
+/* True if the line crosses the outer plane ahead of its beginning. A beginning that lies in the plane counts
+ * as moved by an infinitely small amount, as in cml_plane_side. */
 static bool outer_plane_is_ahead(const struct cml_mesh_line *line)
 {
     const double height = line->q->centred->mesh.z_border - line->from[2], uz = line->q->direction[2];
     return height != 0 ? (height > 0) == (uz > 0) : uz < 0;
 }
 
-/* Adds a crossing of the outer plane if the sheet alone does not lead from one side to the other. A line at a
- * small angle to the plane may pass its border a little behind the crossing. */
+/* Adds a crossing of the outer plane if the crossings of the sheet alone do not lead from one side to the
+ * other. If the line goes towards the other side, also tests whether it exits through the plane: at the
+ * crossing and a little behind it, because a line at a small angle to the plane may pass the plane's border
+ * there. */
 static void add_outer_plane(struct cml_mesh_line *line)
 {
     const struct cml_mesh_query *q = line->q;

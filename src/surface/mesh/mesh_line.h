@@ -53,16 +53,17 @@ struct cml_mesh_line {
                         on, cm */
     double from[3];  /* point of the line ahead of the packet by rounding, centred frame; crossings beyond
                         it count as ahead */
-    int winding, winding_ahead;   /* facets crossed upwards minus downwards, by the whole line and ahead */
-    double t;                     /* distance of the first exiting crossing ahead */
-    int primitive;                /* facet of that crossing; -1: none */
-    double entering_distance;     /* distance from the origin to the closest facet with an entering crossing
-                                     ahead, cm */
-    double t_exit;                /* where the line first passes an exiting facet within err_line */
-    double exit_distance;         /* distance between line and facet there, cm */
-    int exit_primitive;           /* that facet; -1: the line is near none */
-    double length;                /* length of the path, cm */
-    bool ends_near_facet;         /* the path ends within err_line of a facet */
+    int winding, winding_ahead; /* facets crossed upwards minus downwards, by the whole line and ahead */
+    double t;                   /* distance of the first exiting crossing ahead */
+    int primitive;              /* facet of the first exiting crossing; -1: none */
+    double entering_distance;   /* distance from the origin to the closest facet with an entering crossing
+                                   ahead, cm */
+    double t_exit;              /* where the line first passes an exiting facet within err_line */
+    double exit_distance;       /* distance between the line and this facet at t_exit, cm */
+    int exit_primitive;   /* the exiting facet that t_exit and exit_distance describe; -1: the line comes near
+                             no exiting facet */
+    double length;        /* length of the path, cm */
+    bool ends_near_facet; /* the path ends within err_line of a facet */
     struct cml_line_parts *parts; /* ordered crossings of a union's parts; NULL for other meshes */
 };
 
@@ -71,13 +72,13 @@ struct cml_mesh_line {
 void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max,
                     struct cml_line_parts *parts);
 
-/* Takes account of a triangle. Each triangle that the line meets or that lies near the packet must be added
- * once per pass. */
+/* Adds a triangle to the data of a line. Each triangle that the line meets or that lies near the packet must
+ * be added once per pass. */
 void cml_line_add(struct cml_mesh_line *line, int primitive);
 
 /* Ends a pass over the triangles. Returns true if all triangles must be added once more. */
 bool cml_line_goes_on(struct cml_mesh_line *line);
 
-/* Decides what the packet crosses before its path ends, and makes that q's best crossing. Leaves q's best
- * unchanged if it is at the same place. */
+/* Decides which crossing the packet of q meets before its path ends, and makes that crossing q's best. Leaves
+ * q unchanged if its best crossing already lies at the decided place. */
 void cml_line_decide(struct cml_mesh_line *line, struct cml_mesh_query *q);

@@ -22,8 +22,9 @@ static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t 
     return swap ? -w : w;
 }
 
-/* True if an edge product may be 0 except for rounding; rounding.h derives the bound. err_product is a bound
- * for every edge of the mesh, and saves the sums for nearly all edges. */
+/* True if an edge product may differ from 0 only by rounding; rounding.h derives the bound. err_product is a
+ * bound for every edge of the mesh. A product above it needs no bound of its own, which saves sums for nearly
+ * all edges. */
 static bool may_be_zero(const struct cml_mesh_query *q, double product, uint32_t i, uint32_t j)
 {
     if (fabs(product) > q->err_product) return false;
@@ -88,9 +89,9 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
     return is_ahead(q, *t, along);
 }
 
-/* Keeps a hit if it is the best so far. Several facets share a crossing on their common edge or vertex, at
- * the same place except for rounding. Its normal is the sum over all of them, and its place is that of the
- * facet with the lowest number, so that the order of finding them does not matter. */
+/* Keeps a hit if it is the best so far. Facets with a common edge or vertex share a crossing there, at the
+ * same place except for rounding. The crossing's normal is the sum of the facets' normals. Its place is
+ * computed with the facet of the lowest number, so that the order of finding facets does not matter. */
 void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
 {
     const bool on_edge = weight[0] < err_weight || weight[1] < err_weight || weight[2] < err_weight;
@@ -265,9 +266,9 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
         interpolated_normal(q, crossing->normal);
 }
 
-/* Returns the distance along the query's line to a primitive's plane. It counts from a corner of the facet,
- * not from the centred frame's origin as cml_query_plane_distance does; this is more precise if the packet
- * stands on the plane. */
+/* Returns the distance along the query's line to a primitive's plane. The distance is computed from a corner
+ * of the facet, not from the origin of the centred frame as in cml_query_plane_distance. This is more precise
+ * if the packet stands on the plane. */
 static double distance_to_primitive(const struct cml_mesh_query *q, int primitive)
 {
     const struct cml_mesh *mesh = &q->centred->mesh;
@@ -310,10 +311,11 @@ static bool is_over_box(const struct cml_mesh_query *q)
     return p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] && p[1] < upper[1];
 }
 
-/* True if the packet stands close to an edge of its facet, or to the border. There rounding may have put it
- * beyond facets that it has not met, or a mean normal may have turned it. weight: twice the area between
- * packet and edge, so weight / length is the distance from the edge. A rounding error across a facet is 1 /
- * |along| times as large along it. */
+/* True if the packet may stand beyond a neighbouring facet that it has not met, because it is close to an
+ * edge of its facet `primitive` or to the mesh's border. Rounding may have put the packet there, or a
+ * refraction at the mean normal of several facets. weight[k] is twice the area of the triangle between the
+ * packet and edge k, so the packet's distance from the edge is at least weight[k] / length. A rounding error
+ * across the facet is 1 / |along| times as large along the facet. */
 static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
 {
     if (primitive < 0) return primitive == CML_NEAR_FACETS;
@@ -336,8 +338,8 @@ static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
     return weight[0] < err_weight * sum || weight[1] < err_weight * sum || weight[2] < err_weight * sum;
 }
 
-/* Computes barycentric weights from the areas opposite to the corners. Rounding may put the place beside the
- * facet; a negative area counts as 0. */
+/* Makes the crossing with a primitive the best. Computes its barycentric weights from the areas opposite to
+ * the corners. Rounding may put the place beside the facet; a negative area counts as 0. */
 void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
 {
     double area[3] = {1, 1, 1}, place[3];
@@ -390,6 +392,7 @@ bool cml_query_is_doubtful(const struct cml_mesh_query *q)
            (q->centred->mesh.unite && (q->primitive >= 0 || q->exclude >= 0));
 }
 
+/* Writes the best crossing of a query to *crossing: its place, its primitive and its normals. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
                      struct cml_mesh_crossing *crossing)
 {

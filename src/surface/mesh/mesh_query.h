@@ -43,7 +43,8 @@ struct cml_mesh_query {
                              facet */
     bool in_doubt;        /* rounding decides the crossing, or the packet comes from the wrong side */
     uint64_t candidate_open_edges,
-        open_edges; /* for the last tested triangle and for the best crossing; see random_number */
+        open_edges; /* sums over edges that the line passes closely, of the last tested triangle and of the
+                       best crossing; 0 if the facets met leave no gap; see random_number */
 };
 
 /* Begins a query. The arguments are those of cml_mesh_surface_hit (kernels/mesh_crossing.h). */
@@ -71,8 +72,8 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
  * normal. */
 void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3]);
 
-/* Keeps a crossing well inside its triangle if it is the best so far. normal: the triangle's unit normal,
- * upwards. */
+/* Makes a crossing well inside its triangle the best if it is nearer than the best so far. Such a crossing
+ * touches no edge. normal: the triangle's unit normal, upwards. */
 void cml_query_add_inner_hit(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
                              const double weight[3]);
 
@@ -96,9 +97,9 @@ enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, doubl
  * border. */
 void cml_query_intersect_outer_plane(struct cml_mesh_query *q);
 
-/* True if rounding may have decided which crossing is the best, or that there is none; cml_line_decide must
- * then decide. In a union also true if another part may surround the crossing, or pass the place where the
- * packet stands. */
+/* True if rounding may have decided which crossing is the best, or that there is none. The caller must then
+ * call cml_line_decide. In a union (mesh->unite) also true if another part of the mesh may surround the
+ * crossing, or may pass the place where the packet stands. */
 bool cml_query_is_doubtful(const struct cml_mesh_query *q);
 
 /* Returns 1 and sets *crossing, with its normals, if the query has found one; else returns 0. p, u: as given

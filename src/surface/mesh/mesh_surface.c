@@ -24,11 +24,12 @@ typedef struct RTCIntersectContext query_context;
 
 struct cml_mesh_surface {
     struct cml_centred_mesh centred;
-    _Atomic ssize_t embree_bytes;       /* counted by Embree's threads */
-    RTCScene boxes;                     /* Embree's boxes around triangles; the triangles are tested in
-                                           double */
-    struct cml_grid_mesh grid;          /* cells that a query walks, for a sheet */
-    struct cml_facet_tree tree;         /* searched if there are no cells; without nodes: not used */
+    _Atomic ssize_t embree_bytes; /* counted by Embree's threads */
+    RTCScene boxes;               /* Embree's boxes around triangles; the triangles are tested in
+                                     double */
+    struct cml_grid_mesh grid;    /* cells that a query walks, for a sheet */
+    struct cml_facet_tree
+        tree; /* tree that is searched if the mesh has no cells; a tree without nodes is not used */
     const struct cml_tree_level *level; /* the tree's search for this processor */
     struct cml_safe_map map;            /* safe distances for a mesh with a tree; without distances: not
                                            used */
@@ -40,8 +41,9 @@ struct cml_mesh_surface {
 struct query {
     query_context context;
     struct cml_mesh_query ray;
-    struct cml_mesh_line *line; /* set while the whole line is followed, else NULL */
-    bool contact_only;          /* only looks for facets that the packet may be beyond */
+    struct cml_mesh_line
+        *line; /* the test of the whole line against all facets (mesh_line.h) while it runs, else NULL */
+    bool contact_only; /* only looks for facets that the packet may be beyond */
 };
 
 /* Tests a triangle. Returns true if it may be the packet's next crossing. */
@@ -158,8 +160,8 @@ static void test_contact_around(const struct cml_mesh_surface *surface, struct q
     query->contact_only = false;
 }
 
-/* Queries Embree's boxes: tests contact around the packet if needed, then every triangle whose box the ray
- * meets. */
+/* Answers a query with Embree's boxes, in double. First looks for facets beyond which the packet may stand,
+ * if the query needs them; then tests every triangle whose box the ray meets. */
 static void query_embree(const struct cml_mesh_surface *surface, struct query *query)
 {
     if (query->ray.contact_distance >= 0 && query->ray.exclude != CML_OFF_FACETS)
@@ -315,9 +317,9 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
                                                         exact, err_position, crossing);
 }
 
-/* Narrows a stretch of path lengths by a facet close to the line. Returns true if the line leaves the facet
- * behind at its beginning, or if the facet is among those hit at t_hit. Otherwise returns false, and no
- * stretch is known. */
+/* Narrows a stretch, a range of path lengths that have the same answer, by a facet close to the line. Returns
+ * true if the line leaves this facet behind at its beginning, or hits it at t_hit within rounding. Otherwise
+ * returns false: no stretch is then known. */
 static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double margin, double t_hit,
                           struct cml_mesh_stretch *stretch)
 {
@@ -334,12 +336,13 @@ static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double 
     return along > 0 && fabs(t - t_hit) <= reach;
 }
 
-/* Finds the path lengths from p along u that have the same answer. The tree lists the facets close to the
- * line, up to the hit, with its margin enlarged by that of a path that ends near a facet. Each listed facet
- * must either be left behind where the packet stands or be among those hit. Then the answer does not depend
- * on the length of a path that does not end within the margin of such a facet, except in the last bits: a
- * facet behind the hit can make the query compute the hit in another way. Therefore the hits for the shortest
- * and for an infinite path are compared; if they differ, no stretch is known. */
+/* Finds the stretch of path lengths from p along u that have the same answer. The tree lists the facets that
+ * are close to the line before the hit. Its margin is enlarged by the margin of a path that ends near a
+ * facet. Each listed facet must either be left behind where the packet stands or be among the facets hit. The
+ * answer then no longer depends on the path's length, unless the path ends within the margin of such a facet.
+ * Only its last bits may depend on it: a facet behind the hit can make the query compute the hit in another
+ * way. Therefore the hits for the shortest and for an infinite path are compared. If they differ, no stretch
+ * is known. */
 bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                               int below, int exclude, int undeflected, double err_position,
                               struct cml_mesh_stretch *stretch)
@@ -371,8 +374,9 @@ bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const doub
                       memcmp(&hit, &least_hit, offsetof(struct cml_mesh_crossing, ends_near_facet)) == 0);
 }
 
-/* Returns the grid for vector loops. They cannot use the cells of a tile, which belong to one copy, nor
- * normals that vary within a facet. They index eight times the number of a cell in 32 bits. */
+/* Returns the grid that vector loops can use, or NULL. They cannot use the cells of a tile, which belong to
+ * one copy of the period, nor normals that vary within a facet. They compute eight times a cell's number in
+ * 32 bits, so a grid of 2^27 cells is too large. */
 const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
                                                   const struct cml_centred_mesh **centred)
 {

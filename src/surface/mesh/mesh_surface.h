@@ -84,9 +84,9 @@ struct cml_mesh_stretch {
     double least, most, from;
 };
 
-/* Finds the stretch before a packet that stands on a facet; the arguments are those of cml_mesh_surface_hit.
- * Returns false if nothing is proven: the path passes other facets too closely, or the mesh has cells instead
- * of a tree. */
+/* Finds the stretch of path lengths before a packet that stands on a facet. Takes the arguments of
+ * cml_mesh_surface_hit. Returns false if nothing is proven: the path passes other facets too closely, or the
+ * mesh has cells instead of a tree. */
 bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                               int below, int exclude, int undeflected, double err_position,
                               struct cml_mesh_stretch *stretch);

@@ -7,17 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Cells per facet. With half as many cells the lists are longer, with twice as many there are more lists:
- * both are slower. */
+/* Number of cells per facet. With half as many cells the lists are longer, with twice as many cells there are
+ * more lists: both are slower. */
 static const double cells_per_facet = 1;
 
-/* Largest mean length of lists, as the facets see it. With longer lists a tree is faster. */
+/* Largest mean length of cells' lists of facets, with each list counted as often as it has facets. If lists
+ * are longer, a tree is faster than a walk over cells. */
 static const double longest_list = 16;
 
 /* Largest share of facets too thin for float. Each ray near such a facet needs the exact query. */
 static const double most_thin = 1e-2;
 
-/* Entries behind the last list, so that a reader need not check where it ends. */
+/* Number of unused entries behind the last list, so that vector loops may read beyond the list's end. */
 enum { PADDING = 8 };
 
 /* A facet seen from above, in cells of the grid. */
@@ -35,7 +36,7 @@ struct entry {
     float inside; /* distance of the cell's middle from the facet's sides, positive inside, cells */
 };
 
-/* The data needed while lists are made. */
+/* Working data for filling the cells' lists of facets. */
 struct lists {
     const struct cml_centred_mesh *centred;
     struct cml_grid_mesh *grid;
@@ -102,8 +103,8 @@ static float middle_inside(const struct shadow *s, int i, int j)
     return (float)inside;
 }
 
-/* Widens the depths of cell (i, j) by the depths of the facet's plane above the cell, but not beyond the
- * facet's corners. */
+/* Widens the depth range of cell (i, j) to include a facet: the depths of the facet's plane above the cell,
+ * cut off at the facet's lowest and highest corner. */
 static void widen_cell(const struct lists *l, const struct shadow *s, int i, int j)
 {
     struct cml_grid_mesh_level *cells = &l->grid->level[0];
@@ -130,7 +131,7 @@ static void list_facet(const struct lists *l, const struct entry *entry)
     grid->listed[k] = entry->facet;
 }
 
-/* Adds an entry. Returns false if memory runs out. */
+/* Adds an entry, a facet in a cell's list, to the array of all entries. Returns false if memory runs out. */
 static bool add_entry(struct lists *l, struct entry entry)
 {
     if (l->count == l->room) {
@@ -246,8 +247,8 @@ static cml_status fail(double bytes, struct cml_error *err)
     return cml_fail_memory(err, bytes, "the cells of a sheet");
 }
 
-/* Adds all facets to the cells. Stops if lists have a mean length above longest_list over cells; their mean
- * over facets is then above it, too. */
+/* Enters every facet into the lists of the cells below it. Stops when the mean length of a list exceeds
+ * longest_list; the mean in which long lists count more often then exceeds it, too. */
 static cml_status enter_facets(struct lists *l, bool *short_enough, struct cml_error *err)
 {
     const double most = longest_list * (double)cml_grid_mesh_slots(&l->grid->level[0]);
@@ -257,8 +258,8 @@ static cml_status enter_facets(struct lists *l, bool *short_enough, struct cml_e
     return CML_OK;
 }
 
-/* Turns the counts of all lists into the lists' ends in one array. Returns the mean length of lists over
- * their facets. */
+/* Turns the number of facets in each cell into the place where the cell's list ends in one array. Returns the
+ * mean length of lists, with each list counted as often as it has facets. */
 static double join_lists(const struct lists *l)
 {
     const size_t cells = cml_grid_mesh_slots(&l->grid->level[0]);
@@ -280,7 +281,8 @@ static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *
     return grid->first ? CML_OK : fail(4 * (double)cells, err);
 }
 
-/* Fills lists and facets. *thin counts facets that are too thin for float. */
+/* Fills the lists of facets of all cells, and the data of each facet. Adds to *thin the number of facets that
+ * are too thin for float. */
 static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *err)
 {
     struct cml_grid_mesh *grid = l->grid;
@@ -297,8 +299,9 @@ static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *er
     return CML_OK;
 }
 
-/* Makes the lists of facets of each cell. Sets *pays if lists are short in the mean (longest_list) and hardly
- * any facet is too thin; else leaves it, and the lists may be incomplete. */
+/* Makes the list of facets of each cell. Sets *pays if the lists have a mean length of at most longest_list,
+ * and hardly any facet is too thin for float. Otherwise leaves *pays as it is; the lists may then be
+ * incomplete. */
 static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
 {
     size_t thin = 0;

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Overlap of segments, in cells. Each segment ends one cell before the mesh does, and the next one begins
- * this much earlier. */
+/* Number of cells by which a segment overlaps the next one. A segment ends one cell before the mesh does; the
+ * next segment begins half a cell before that end. */
 static const double overlap = 0.5;
 
 /* Returns the number of cells in a row of the mesh: one period and both margins. */
@@ -85,8 +85,8 @@ static bool clip_to_depths(struct cml_tile_path *path, double low, double high)
     return path->from < path->end;
 }
 
-/* Begins a path. Most paths are short and end over the copy where they begin, so the path is clipped to the
- * mesh's depths only if it leaves that copy. */
+/* Begins a path over a repeated mesh. Most paths are short and end over the copy where they begin, so only a
+ * path that leaves its first copy is clipped to the mesh's depths. */
 bool cml_tile_begin(const struct cml_mesh_period *period, const double p[3], const double u[3], double t_max,
                     int exclude, double low, double high, struct cml_tile_path *path)
 {

@@ -29,24 +29,25 @@ struct cml_mesh_period {
     int n[2];         /* cells of the period along x and y, at least 2; 0: the mesh is not repeated */
     int margin[2];    /* cells of the mesh around the period on each side, at least 3 */
     double corner[2]; /* corner of the period's first cell, in query coordinates, cm */
-    double cell[2];   /* size of a cell, cm */
+    double cell[2];   /* size of a cell along x and y, cm */
 };
 
 /* A ray on its way from segment to segment. Distances are along the ray, cm. */
 struct cml_tile_path {
-    const struct cml_mesh_period *period; /* borrowed, as are p and u */
+    const struct cml_mesh_period *period; /* the tile's period; the caller owns *period, p and u */
     const double *p, *u;                  /* position and direction as in cml_mesh_surface_hit */
     double end;                           /* end of the path, or where it leaves the depths of the mesh */
     double from, to;                      /* begin and end of the segment */
     int leaving;                          /* axis along which the segment leaves the mesh at `to`; -1: the
                                              path ends before */
     double origin[3];                     /* where the segment begins, moved by whole periods */
-    int exclude;                          /* triangle of the mesh on which the packet stands there */
-    int segments;                         /* number of segments so far, including this one */
+    int exclude;  /* triangle of the mesh on which the packet stands at `origin`, or -1 or CML_NEAR_FACETS */
+    int segments; /* number of segments so far, including this one */
 };
 
-/* Finds the first segment. Returns false if the ray does not come between the depths low and high, which
- * enclose the mesh by more than rounding. exclude: primitive, -1 or CML_NEAR_FACETS. */
+/* Finds the first segment of a path. Returns false if the ray stays outside the depths from low to high,
+ * which enclose the mesh by more than rounding. exclude: primitive on which the packet stands, or -1 or
+ * CML_NEAR_FACETS. */
 bool cml_tile_begin(const struct cml_mesh_period *period, const double p[3], const double u[3], double t_max,
                     int exclude, double low, double high, struct cml_tile_path *path);
 

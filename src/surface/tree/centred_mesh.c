@@ -7,9 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Returns err_line for a packet at the mesh whose coordinates are floats, cm. A small body deep in its layer
- * has an err_line larger than the rounding of float inside the body's box. Depths of a sheet count from the
- * sheet, so a sheet needs no such term. */
+/* Returns the bound err_line (rounding.h), cm, for a packet at a mesh whose coordinates are floats. A small
+ * body deep in its layer has an err_line larger than the rounding of float inside the body's box. Depths at a
+ * sheet are measured from the sheet, so err_line of a sheet is not raised. */
 static double err_line_in_float(const double centre[3], double diagonal)
 {
     const double size = fabs(centre[0]) + fabs(centre[1]) + fabs(centre[2]) + diagonal;

@@ -22,8 +22,9 @@ struct cml_flat_facet {
                                                        sides */
 };
 
-/* Fills the frame of a facet. Needles get their second axis in two steps, because rounding may turn the first
- * result. A needle thinner than 1e-12 of its length gets any second axis. */
+/* Computes the frame of a facet. A needle (a triangle far longer than wide) gets its second axis in two
+ * steps, because rounding may turn the result of the first step. A needle thinner than 1e-12 of its length
+ * gets any second axis. */
 static inline void cml_flat_facet_of(const double *corner[3], struct cml_flat_facet *flat)
 {
     double side[3][3], length[3];

@@ -15,7 +15,7 @@ struct cml_facet_box {
 /* Returns an empty box; widened by another box, it becomes that box. */
 struct cml_facet_box cml_facet_box_none(void);
 
-/* Widens a box to include another one. */
+/* Enlarges a box to include another box. */
 void cml_facet_box_widen(struct cml_facet_box *box, const struct cml_facet_box *other);
 
 /* Returns half of a box's surface, cm2. */

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Depth from which nodes are divided by number of facets instead of by geometry, so that the depth of the
- * tree has an end. */
+/* Depth in the tree from which nodes are divided by number of facets instead of by geometry. The last 12
+ * levels divide by number, so the depth of the tree has an end. */
 enum { DEEP = CML_TREE_DEPTH - 12 };
 
 extern const struct cml_tree_level cml_tree_base;
@@ -78,8 +78,8 @@ static int find_longest(const double corner[3][3], double *longest)
     return opposite;
 }
 
-/* Fills entry i of a leaf with a facet. A facet thinner than the margin gets NaN, so that it is always in
- * doubt. */
+/* Fills entry i of a leaf with a facet. A facet whose height over its longest side is at most the margin gets
+ * NaN. Every test of such a facet leaves it in doubt, so it is tested again in double. */
 static void fill_facet(const struct builder *b, uint32_t facet, int i, struct cml_tree_leaf *leaf)
 {
     const double *plane = b->plane[facet];
@@ -134,8 +134,8 @@ static void find_box(const struct builder *b, struct group *group)
     for (size_t i = 0; i < group->count; i++) cml_facet_box_widen(&group->box, &b->box[group->first + i]);
 }
 
-/* Returns the child to divide next: the largest child that is not small enough for a leaf; -1 if there is
- * none. */
+/* Returns the number of the child to divide next: the largest that has more facets than a leaf holds; -1 if
+ * there is none. The measure is the area of the child's box, and below depth DEEP its number of facets. */
 static int choose(const struct group *child, int children, int depth)
 {
     int largest = -1;

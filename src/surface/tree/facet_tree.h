@@ -61,8 +61,8 @@ struct cml_tree_answer {
     int doubts; /* number of facets through which the path may leave before, or on which its origin may lie */
     int doubt[CML_TREE_DOUBTS];
     bool re_enters; /* the path surely comes back through a facet before it leaves through one */
-    bool blurred;   /* there are more facets in doubt, or one is too thin for floats or lies along the ray:
-                       all facets must be tested */
+    bool blurred;   /* true if all facets must be tested: there are more facets in doubt than CML_TREE_DOUBTS,
+                       or one is too thin for floats or lies along the ray */
 };
 
 /* A tree. Immutable, so queries may run in parallel. */

@@ -20,7 +20,8 @@ struct search {
     struct slabs slabs;
     float to;     /* nothing beyond this distance matters: the path's length, or the distance of a sure
                      crossing */
-    float t, err; /* distance of the nearest sure crossing, and its error; the answer has its facet */
+    float t, err; /* t: distance of the nearest sure crossing; err: rounding error of t; `answer` names the
+                     crossing's facet */
     float least[CML_TREE_DOUBTS]; /* smallest possible distance of each facet in doubt */
     float entering;               /* distance of the nearest sure crossing that enters */
 };
@@ -80,8 +81,9 @@ static inline uint32_t enter_node(const struct search *s, const struct cml_tree_
     return ~cml_group_negative(room) & CML_GROUP_MASK;
 }
 
-/* Tests if the path meets the plane of any facet of a leaf, which it mostly does not. The plane's distances
- * from the path's two ends decide, because a ray along the plane has no t. */
+/* Tests if the path meets the plane of any facet of a leaf; mostly it meets none. The test compares the
+ * distances of the path's two ends from the plane, because a ray along the plane has no crossing distance t.
+ */
 static inline uint32_t test_planes(const struct search *s, const struct cml_tree_leaf *leaf,
                                    struct tested *tested)
 {
@@ -132,7 +134,8 @@ static inline uint32_t test_leaf(const struct search *s, const struct cml_tree_l
     return cml_group_equal(tested->passed, 0);
 }
 
-/* Adds a facet in doubt. least: its smallest possible distance. Blurs the answer if there are too many. */
+/* Adds a facet to the list of facets in doubt, which must be tested in double. least: its smallest possible
+ * distance. If the list is full, the answer becomes blurred: all facets must be tested. */
 static void add_doubt(struct search *s, int facet, float least)
 {
     struct cml_tree_answer *answer = s->answer;
@@ -144,7 +147,8 @@ static void add_doubt(struct search *s, int facet, float least)
     answer->doubt[answer->doubts++] = facet;
 }
 
-/* Adds a sure crossing. The nearer one of it and the one before remains; the other becomes a doubt. */
+/* Compares a sure crossing with the nearest one so far. The nearer of the two remains the nearest; the other
+ * one becomes a doubt. */
 static void add_sure(struct search *s, int facet, float t, float err)
 {
     if (!(t < s->t)) {
@@ -177,7 +181,8 @@ static inline void search_leaf(struct search *s, uint32_t number)
     }
 }
 
-/* Searches the leaves of a node at once, and leaves its nodes for later. */
+/* Searches the leaves of a node that the ray enters, and leaves the child nodes that it enters in *p for
+ * later. */
 static inline void search_node(struct search *s, const struct cml_tree_node *node, struct pending *p)
 {
     const uint32_t entered = enter_node(s, node, p);
@@ -208,7 +213,7 @@ static void search_tree(struct search *s)
     }
 }
 
-/* Begins a search with an answer without facets. */
+/* Prepares a search of the tree for one ray: no crossing yet, and an answer without facets. */
 static void begin(const struct cml_facet_tree *tree, const struct cml_tree_ray *ray, struct search *s,
                   struct cml_tree_answer *answer)
 {

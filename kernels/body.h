@@ -60,8 +60,8 @@ CML_FN struct cml_pass cml_pass_chord(struct cml_vec d, struct cml_vec v)
     return pass;
 }
 
-/* Finds the crossing of a packet outside a sphere. Returns 0 if its path misses the sphere. d: the packet
- * from the centre, cm; r: radius, cm. */
+/* Finds the crossing of a packet outside a sphere. Returns 0 if its path misses the sphere. d: from the
+ * sphere's centre to the packet, cm; r: radius, cm. */
 CML_FN int cml_enter_sphere(struct cml_vec d, struct cml_vec u, real r, struct cml_body_hit *hit)
 {
     if (!(cml_dot(d, u) < 0)) return 0;

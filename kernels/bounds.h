@@ -409,7 +409,8 @@ CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct c
                      : world->ring_horizon_above)[surface->first_ring + on_primitive];
 }
 
-/* True if a direction leads away from the surface at least as steeply as `horizon`, a slope. */
+/* True if a packet that heads along u moves away from the surface at least as steeply as the slope `horizon`
+ * (cml_horizon), so that it never meets the surface again. */
 CML_FN int cml_heads_away(real horizon, struct cml_vec u, real side)
 {
     return (side * u.z > 0) & (u.z * u.z >= horizon * horizon * (u.x * u.x + u.y * u.y));

@@ -285,7 +285,7 @@ CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *r
     return cml_ring_search(rings, ray, i, apart ? t / 2 : t0, t1, t);
 }
 
-/* Returns the place in a span that is nearest to a root. */
+/* Returns the root, or the nearer end of the span [t0, t1] if the root lies outside the span. */
 CML_FN real cml_clamp_to_span(real root, real t0, real t1)
 {
     return root > t0 ? (root < t1 ? root : t1) : t0;
@@ -406,7 +406,8 @@ cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_m
     return first;
 }
 
-/* Skips spans that meet nothing, CML_CONE_TOGETHER at a time, as long as enough rings lie ahead. */
+/* Moves the march past spans that meet nothing. It tests CML_CONE_TOGETHER spans at a time, and ends when a
+ * span needs a closer search or fewer rings than that lie ahead. */
 __attribute__((noinline, unused)) static void cml_cone_skip(struct cml_rings rings,
                                                             struct cml_cone_march *march, real t_max)
 {

@@ -91,7 +91,7 @@ struct cml_depth_bounds {
     int first; /* index of level 0 in world.deepest and world.highest */
     int level_offset[CML_DEPTH_LEVELS];
     real corner_x, corner_y, per_cell; /* corner in cm from the scene's axis; cells per cm */
-    /* Cells per cm along y; differs from per_cell only if the form is a period. */
+    /* Cells per cm along y. It equals per_cell unless `form` is CML_BOUNDS_PERIOD. */
     real per_cell_y;
     /* meshes: index of the first horizon in world.horizon_below and above; level whose cells have
      * horizons. */
@@ -276,8 +276,8 @@ struct cml_body_cell {
 /* Rule of roulette (P8): which packets play, and the weight of survivors. Weights are in units. */
 struct cml_roulette_rule {
     cml_u32 below; /* packets lighter than this play */
-    /* Weight of a survivor, at least `below`. 0: a survivor weighs ten times its old weight, as in original
-     * MCML; then `below` is at most 2^31 / 10. */
+    /* Weight of a survivor in weight units, at least `below`. 0 means that a survivor weighs ten times its
+     * old weight, as in original MCML; `below` is then at most 2^31 / 10, so that the new weight fits. */
     cml_u32 weight;
 };
 
@@ -341,7 +341,8 @@ struct cml_source {
     /* Middle of the shape: x and y from the scene's origin, z in the frame of boundary 0, or for a source
      * inside in the frame of its medium. */
     struct cml_vec middle;
-    /* Z at which packets start, in the frame of `medium`; not used for a source inside that is near. */
+    /* Z at which packets start, in the frame of `medium`. A source inside that is not far (`is_far`) does not
+     * use it. */
     real start;
     struct cml_vec axis, e1, e2; /* direction of the beam, and two unit vectors across it */
     int shape, light;            /* enum cml_beam_shape, cml_source_light */

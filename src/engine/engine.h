@@ -89,7 +89,9 @@ struct cml_fate_record {
     double backing;            /* share of a packet that stayed in the backing */
     /* X, y of the scene where the packet last touched a surface from outside, cm. */
     double exit[2];
-    double direction[3]; /* opencl: of an absorbed packet the direction before its last interaction */
+    /* Direction at the end. With the engine `opencl`, an absorbed packet has the direction before its last
+     * interaction. */
+    double direction[3];
 };
 
 /* An event in a trace, with the packet after it. */

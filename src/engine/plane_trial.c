@@ -125,7 +125,9 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
 
 /* ---- judging ---- */
 
-/* Returns the light by which a series' differences are divided, units of weight. */
+/* Returns the light, in units of weight, by which the differences of a series are divided. It is the light
+ * that the series scored, but at least the least share of the launched light, so that dark series do not
+ * count too much. */
 static double light_of(const struct trial *trial, const struct series *series)
 {
     double truth = 0;
@@ -164,7 +166,8 @@ static void judge_series(const struct trial *trial, const struct series *series,
     verdict->what = series->name;
 }
 
-/* Judges all series by the packets flown so far. */
+/* Returns the verdict on the planes from the packets flown so far: the judgement over all totals and
+ * profiles. */
 static struct verdict judge(const struct trial *trial)
 {
     struct verdict verdict = {.most = 0};
@@ -256,8 +259,8 @@ static bool is_curved(const struct cml_surface_def *def)
     return def->kind != CML_SURFACE_PLANE;
 }
 
-/* True if bodies lie in a layer beside the boundary. They stand in the frame of the boundary above their
- * layer, and a plane might cut through one. */
+/* True if bodies lie in the layer above or below the boundary. The depths of bodies are stored relative to
+ * the boundary above their layer, and a plane in place of this boundary might cut through a body. */
 static bool has_bodies_beside(const struct cml_scene *scene, int b)
 {
     return cml_layer_has_bodies(scene, b) || cml_layer_has_bodies(scene, b + 1);

@@ -227,8 +227,9 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
     to->world.horizon_above = to->horizons + to->horizon_cells;
 }
 
-/* Copies the safe distances of meshes that overhang. Their margin also holds for packets beside the cells, as
- * far as a safe distance reaches. samples/manual/physics/free-paths.md derives both terms. */
+/* Copies the safe distances of meshes that overhang. The margin covers rounding, also for packets that are
+ * outside the grid of cells by up to a safe distance. samples/manual/physics/free-paths.md derives both terms
+ * of the margin. */
 static void copy_safe_cells(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const double origin[3] = {from->origin.at[0], from->origin.at[1], 0};
@@ -391,8 +392,8 @@ static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *o
     return options->below > 0 ? given : mcml;
 }
 
-/* Fills all that is the same for every packet. Bin widths become their reciprocals, so that a bin is found by
- * a product. */
+/* Fills the setup: everything that does not depend on the packet. Bin widths become their reciprocals, so
+ * that a bin is found by a multiplication. */
 static void set_up(const struct cml_scene *scene, const double origin[2],
                    const struct cml_engine_options *options, struct cml_setup *setup)
 {

@@ -54,12 +54,14 @@ static struct rectangle rectangle_around(const struct cml_detector_def *def)
     return (struct rectangle){{def->x - w, def->y - h}, {def->x + w, def->y + h}};
 }
 
-/* Detectors of one level, place[count], and a grid of n by n cells over the rectangle around all of them. */
+/* The side and depth of a detector, by which detectors are sorted into levels. */
 struct place {
     bool below;
     double z;
     int number; /* number of the detector */
 };
+/* The detectors at one side and depth, place[count], and a grid of n by n cells over the rectangle around
+ * all of them. */
 struct level {
     const struct cml_scene *scene;
     const struct place *place;

@@ -117,7 +117,8 @@ static void write_section(FILE *out, const struct cml_outcome *o, const struct c
 
 /* ---- this program's part ---- */
 
-/* Writes the comments about the program and the scene, and the section `lattice`. */
+/* Writes comments on the program and the scene, and the section `lattice`, which says how packets were
+ * sampled. */
 static void write_comments(FILE *out, const struct cml_outcome *o)
 {
     fprintf(out, "\n# clustermcml %s\n", o->program);
@@ -129,7 +130,8 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     cml_text_print(out, "# ", o->shapes);
     if (o->beside) fputs(CML_MCO_BESIDE "\n", out);
     const double sampling = o->provenance.value[CML_DECIDES_sampling];
-    if (isnan(sampling)) return; /* the file that was read does not say how it was sampled */
+    /* NaN: the file that was read does not say how its packets were sampled, so `lattice` is left out. */
+    if (isnan(sampling)) return;
     fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",
             sampling > 0);
 }

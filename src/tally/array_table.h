@@ -206,10 +206,10 @@ struct cml_layout {
 #undef CML_PLACE
         };
     };
-    size_t size[CML_NUM_ARRAYS];          /* cells of one array in one part; 0: the array does not exist */
-    size_t parts[CML_NUM_ARRAYS];         /* number of parts: groups, batches, or 2 for sums and squares */
-    struct cml_once once[CML_NUM_ARRAYS]; /* distances in cells between parts */
-    size_t cells;                         /* number of cells of all arrays */
+    size_t size[CML_NUM_ARRAYS];  /* cells of one array in one part; 0: the array does not exist */
+    size_t parts[CML_NUM_ARRAYS]; /* number of parts: groups, batches, or 2 for sums and squares */
+    struct cml_once once[CML_NUM_ARRAYS]; /* distances between the parts of an array, in cells (balance.h) */
+    size_t cells;             /* number of cells of all arrays */
 };
 /* Returns the places of all arrays of a holder. */
 struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder);

@@ -97,5 +97,5 @@ CML_NODISCARD cml_status cml_saved_part_create(const struct cml_saved_kind *kind
 /* Returns a new row to be filled in. */
 struct cml_saved_row *cml_saved_next(struct cml_saved_part *part);
 
-/* Hands in all collected rows; part may be NULL. */
+/* Passes all collected rows to the receiver (`to`), and empties the buffer. part may be NULL. */
 void cml_saved_hand_in(struct cml_saved_part *part);

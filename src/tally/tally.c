@@ -53,7 +53,8 @@ size_t cml_tally_profile_bins(const struct cml_tally_grid *grid)
 
 double cml_tally_bytes(const struct cml_tally_grid *grid)
 {
-    /* Sums now, sums before, and one row of late packets per batch. */
+    /* Number of sets of profiles in a tally: the current sums, the sums before the current batch, and one row
+     * of late packets per batch. */
     const double profiles = 2.0 + CML_NUM_BATCHES;
     const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
     return ((double)cml_tally_cells(grid) + profiles * (double)(at.expected - at.detector)) *
@@ -112,8 +113,8 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
     return status;
 }
 
-/* Borrows only arrays that the thread does not have itself. A pointer stays NULL if the owner lacks the
- * array, too. */
+/* Lets a thread's tally score into the owner's arrays where it has none of its own. A pointer stays NULL if
+ * the owner lacks the array, too. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 {
     for (int i = 0; i < CML_NUM_ARRAYS; i++) {

@@ -40,7 +40,7 @@ struct cml_tally_grid {
     int nt, np;             /* number of bins of Rd_dir, Tt_dir and Rsp_dir */
     int detectors;          /* number of detectors; each has sums by gate, and means of its light */
     double path_unit;       /* unit in which lengths and depths are summed, cm */
-    double path_top;        /* depth from which summed depths count, cm */
+    double path_top;        /* depths of packets are summed as distances below this depth, cm */
     size_t detector_pixels; /* number of pixels of all detectors that are maps */
     struct cml_saved_kind saved;
     size_t facets;    /* number of facets of all boundaries and bodies */
@@ -83,10 +83,10 @@ static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
     return CML_MEDIUM_MOMENTS * cml_tally_media(grid) + 1;
 }
 
-/* Largest arrays, in cells and facets, that are kept by group, so that the spread over groups gives standard
- * errors. A thread then has its own A_rz, Rd_ra and Tt_ra, too (CML_THREAD_CELLS). Cells of rows that come
- * from one flight count. Larger arrays have squares instead if a packet adds to each cell at most once; all
- * others have no errors. */
+/* Largest size, in cells or facets, of an array that is kept by group, so that the spread over groups gives
+ * standard errors. Cells of rows that come from one flight count towards this size. Up to this size each
+ * thread also has its own A_rz, Rd_ra and Tt_ra (CML_THREAD_CELLS). A larger array has sums of squares
+ * instead if a packet adds to each cell at most once. Any other larger array has no errors. */
 #define CML_CELLS_WITH_ERRORS 65536
 #define CML_FACETS_WITH_ERRORS 16384
 
@@ -98,7 +98,7 @@ static inline bool cml_has_medium_times(const struct cml_tally_grid *grid)
            cml_tally_media(grid) * ((size_t)grid->gates + 1) <= CML_MEDIUM_TIMES;
 }
 
-/* Returns the distances between the parts of the facets' escaped weight. */
+/* Returns how far apart the parts of the facets' array of escaped weight lie, in cells. */
 static inline struct cml_once cml_facet_once(const struct cml_tally_grid *grid)
 {
     return (struct cml_once){grid->facet_step, CML_FACET_ESCAPED_SQUARES - CML_FACET_ESCAPED};

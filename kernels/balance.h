@@ -51,7 +51,7 @@ enum cml_balance_term {
     /* Parts of reflected, transmitted and absorbed that were scored in the last radial bin although they lie
      * beyond it. */
     CML_BALANCE_OVERFLOW_R,
-    CML_BALANCE_OVERFLOW_Z, /* part of absorbed that was scored in the last depth bin from below it */
+    CML_BALANCE_OVERFLOW_Z, /* part of absorbed that lay below the last depth bin and was scored in it */
     CML_BALANCE_ABOVE,      /* part of absorbed that was scored in the first depth bin from z < 0 */
     CML_BALANCE_BACKING,    /* kept by the backing; a term of the balance */
     CML_NUM_BALANCE_TERMS

@@ -72,8 +72,8 @@ CML_FN int cml_enter_sphere(struct cml_vec d, struct cml_vec u, real r, struct c
     return pass.passes;
 }
 
-/* Finds the crossing at which a packet inside a sphere leaves it. d: the packet from the centre, cm; r:
- * radius, cm; stands: 1 if the packet stands on the sphere. */
+/* Finds the crossing at which a packet inside a sphere leaves it. d: from the sphere's centre to the packet,
+ * cm; r: radius, cm; stands: 1 if the packet stands on the sphere. */
 CML_FN void cml_leave_sphere(struct cml_vec d, struct cml_vec u, real r, int stands, struct cml_body_hit *hit)
 {
     const int on = stands | (cml_dot(d, d) >= r * r);

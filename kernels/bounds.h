@@ -81,8 +81,9 @@ CML_FN struct cml_cell_range cml_cells_of_period(real x, real d, real corner, re
     return range;
 }
 
-/* cml_depth_over_box for a repeated mesh. On the level whose cells are longer than the range, two
- * neighbouring cells cover the range, also the last and the first cell of a period. */
+/* Returns the bound of cml_depth_over_box for a repeated mesh. It takes the level of the pyramid whose cells
+ * are longer than the path's range of cells. There two neighbouring cells along each axis cover the range;
+ * the last and the first cell of a period are neighbours, too. */
 CML_FN real cml_depth_over_period(const CML_GLOBAL struct cml_depth_bounds *map,
                                   const CML_GLOBAL real *bounds, struct cml_vec p, struct cml_vec d,
                                   real side)
@@ -102,8 +103,9 @@ CML_FN real cml_depth_over_period(const CML_GLOBAL struct cml_depth_bounds *map,
     return ab > ce ? ab : ce;
 }
 
-/* cml_cell_horizon for a repeated mesh: the highest horizon among the cells in which rounding may have put
- * the point; infinite if they are too many. */
+/* Returns the horizon (cml_cell_horizon) at a point of a repeated mesh: the highest horizon among the cells
+ * in which rounding may have put the point; infinite if more than two cells along an axis come into question.
+ */
 CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_depth_bounds *map,
                                   const CML_GLOBAL real *horizon, struct cml_vec p)
 {

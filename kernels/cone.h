@@ -365,10 +365,10 @@ enum cml_cone_verdict {
 #define CML_CONE_ALONE 3
 #define CML_CONE_TOGETHER 16
 
-/* Skips spans in which a march that stands on no ring provably meets nothing, by the arithmetic of
- * cml_cone_go: they end before t_max, on the packet's side, and in none of them does the ray come closest to
- * its cone. Moves the march to the first other span, and returns the number of spans skipped. The caller
- * makes sure that CML_CONE_TOGETHER rings lie ahead. */
+/* Skips spans in which a march that stands on no ring provably meets nothing. The arithmetic is that of
+ * cml_cone_go. A span is skipped if it ends before t_max and on the packet's side, and if the ray does not
+ * come closest to the ring's cone within it. Moves the march to the first span that is not skipped, and
+ * returns the number of spans skipped. The caller makes sure that CML_CONE_TOGETHER rings lie ahead. */
 __attribute__((always_inline)) static inline int
 cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_max, const int inwards)
 {

@@ -127,7 +127,8 @@ CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes 
     return even ? cml_device_fly_even(stream, l) : cml_device_fly_random(stream, l);
 }
 #else
-/* cml_device_fly_lane for the only lane. A lane whose path is known to be free meets no boundary. */
+/* Runs cml_device_fly_lane on the only lane. The lane does not stop for boundaries if its path is known to be
+ * free. */
 CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     const cml_u32 may_hit = cml_device_fly_lane(stream, l->interactions[0] < stream.lattice, l, 0);

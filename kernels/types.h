@@ -111,7 +111,7 @@ struct cml_safe_cells {
 #endif
 
 /* The grid of maps and of the volume. Its corner lies at x = -nx / 2 * dx, y = -ny / 2 * dy. The volume has
- * the depth bins of A_rz, from its upper face on. */
+ * depth bins of dz like A_rz, but its first bin begins at the volume's upper face. */
 struct cml_map {
     int nx, ny, na; /* na: angle bins of a pixel; nx 0: there is no map */
     real per_dx, per_dy;
@@ -390,7 +390,8 @@ struct cml_setup {
     int keeps_paths; /* 1: gates, detectors, saved packets or rows need the lengths of paths */
     struct cml_direction_bins directions;
     struct cml_marks marks;
-    struct cml_facet_range outer_facets[2]; /* facets of boundaries 0 and num_layers; count 0 for planes */
+    /* Facets of boundaries 0 and num_layers; count 0 for a boundary that is a plane. */
+    struct cml_facet_range outer_facets[2];
     struct cml_backing backing;
     int num_sources;
     cml_u32 specular; /* weight units that are split off every packet at its launch; 0 if sources differ */

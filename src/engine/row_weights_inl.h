@@ -147,9 +147,9 @@ static inline cml_u32 cml_row_weight(real unit, real factor, real rounding)
     return (cml_u32)(int)CML_FMA(unit, factor, rounding);
 }
 
-/* Returns a row's contribution to a sum. A score times the weight is in units of 2^-20 of a packet, so that
- * 2^43 interactions fit into a tally. It is rounded at random like a weight, but down, because it may be
- * negative. */
+/* Returns a row's contribution to a sum, in whole units. A weight is rounded at random, by `rounding`. A
+ * score times the weight is in units of 2^-20 of a packet, so that the contributions of 2^43 interactions fit
+ * into a tally; it is rounded in the same way, but towards minus infinity, because it may be negative. */
 CML_ROWS_INLINE uint64_t cml_row_part(int scores, real unit, real factor, real rounding)
 {
     return scores ? (uint64_t)(int64_t)CML_FLOOR(CML_FMA(unit * (real)0x1p-10, factor, rounding))

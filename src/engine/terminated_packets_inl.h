@@ -29,7 +29,8 @@ struct cml_terminated {
     int count;
     int branches; /* entries that are branches, which were not launched (P19) */
     uint64_t absorbed[CML_TERMINATED];
-    /* Weight absorbed as well, in the layer that the packet left, and not booked there yet. */
+    /* Further absorbed weight, from the layer that the packet left last, which is not added to the layer's
+     * sums yet. */
     cml_u32 deposit[CML_TERMINATED];
     real exit_x[CML_TERMINATED], exit_y[CML_TERMINATED], uz[CML_TERMINATED];
     /* Direction of the exit, if directions (P7) or detectors (P13) are wanted. */

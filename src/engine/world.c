@@ -472,6 +472,8 @@ static cml_status make_scores(const struct cml_scene *scene, const struct cml_ta
     return CML_OK;
 }
 
+/* Makes the parts of the world in turn. Sources come after all surfaces, because the walk's own functions
+ * find the medium in which a source lies. */
 cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                   const struct cml_engine_options *options, struct cml_owned_world *to,
                                   struct cml_error *err)
@@ -510,6 +512,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     return status;
 }
 
+/* Makes a world only if a beam starts inside, because all other beams start in medium 0. */
 cml_status cml_source_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                             int **medium, struct cml_error *err)
 {

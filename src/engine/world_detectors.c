@@ -271,6 +271,8 @@ static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_win
     return arc;
 }
 
+/* Fills the detectors in the order of the scene, and sorts their places into levels, each with a grid of
+ * cells. */
 cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                              const struct cml_window_table *windows, struct cml_owned_world *to,
                              struct cml_error *err)

@@ -431,6 +431,8 @@ int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam
     return beam->inside ? medium_beside(world, beam, none) : 0;
 }
 
+/* Fills one source per beam: its shape, the directions of its light, its axis, and the place and medium where
+ * its packets start. */
 cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                            const struct cml_surface_set *start_as, struct cml_owned_world *to,
                            struct cml_error *err)

@@ -13,6 +13,7 @@
 
 /* ---- sizes ---- */
 
+/* Looks up the number of bins by the kind of the axis. */
 int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
 {
     const int bins[CML_NUM_AXES] = {[CML_AXIS_layer] = o->num_layers,

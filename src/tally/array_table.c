@@ -53,6 +53,7 @@ static size_t pixels_of(const struct cml_tally_grid *grid)
     return (size_t)grid->nx * (size_t)grid->ny;
 }
 
+/* Looks up the number of bins of each axis. An axis that the grid does not have gets no bins. */
 struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell_axis axis,
                                 enum cml_holder holder)
 {
@@ -162,6 +163,8 @@ static int num_together(const struct cml_array_order *order, int first)
     return n;
 }
 
+/* Places the arrays one behind the other in the holder's order. Arrays that are stored together
+ * (num_together) alternate: one part of each, then the next part of each. */
 struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder)
 {
     const struct cml_array_order order = cml_order_of(holder);

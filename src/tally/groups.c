@@ -17,7 +17,8 @@ void cml_tally_set_groups(struct cml_tally_grid *grid)
                  rows = grid->rows && !grid->derivatives ? cml_row_stride(grid) : 1;
     grid->cell_errors = of.size[CML_ARRAY_Rd_ra] <= most && of.size[CML_ARRAY_A_rz] <= most;
     grid->gate_errors = of.size[CML_ARRAY_Rd_rt] <= most;
-    grid->voxel_step = voxels <= most + 1 ? voxels : 0; /* the extra voxel holds all absorption outside */
+    /* + 1 for the extra voxel, which holds all absorption outside. */
+    grid->voxel_step = voxels <= most + 1 ? voxels : 0;
     grid->facet_step = grid->facets <= CML_FACETS_WITH_ERRORS ? grid->facets * CML_FACET_SCORES : 0;
     grid->map_once = once_of(2 * map, map <= most + (size_t)grid->map_na);
     grid->pixel_once = once_of(grid->detector_pixels, grid->detector_pixels <= most);

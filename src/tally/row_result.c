@@ -105,8 +105,9 @@ static void take_launch(const struct row *row)
         balance[CML_BALANCE_GAINED] += inside - exact;
 }
 
-/* Takes Rd_dir and Tt_dir, whose first bin is given, by group or followed by squares. Rsp_dir is that of the
- * flight. */
+/* Fills the result's directions, with their parts: groups, or sums and squares. Rd_dir and Tt_dir come from
+ * the row, whose bin `first` is the first of Rd_dir. Rsp_dir comes from the flight, because it is equal for
+ * all rows. */
 static void take_directions(const struct row *row, size_t first)
 {
     struct cml_result *to = row->to;

@@ -46,6 +46,8 @@ double cml_saved_bytes(const struct cml_saved_kind *kind)
                : 0;
 }
 
+/* Allocates rows and sorting keys for more rows than the limit, so that surplus rows need not be dropped one
+ * by one. */
 cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved **saved,
                             struct cml_error *err)
 {
@@ -244,6 +246,7 @@ void cml_saved_add_found(struct cml_saved *saved, uint64_t more)
 
 /* ---- a thread's ---- */
 
+/* Allocates a thread's buffer: as many rows as fit into PART_WORDS words, at least one. */
 cml_status cml_saved_part_create(const struct cml_saved_kind *kind, struct cml_saved_part **part,
                                  struct cml_error *err)
 {

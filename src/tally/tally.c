@@ -16,7 +16,9 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
     return terms[total];
 }
 
-/* A thread has all of A_rz or none of it. With a part every deposit would have to look for its place. */
+/* Returns the grid of a thread's own tally: the grid of the run, without arrays that are too large for each
+ * thread to have. A thread has all of A_rz or none of it. With a part of it, each deposit would have to find
+ * out where its cell is. */
 struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid)
 {
     struct cml_tally_grid small = *grid;
@@ -264,7 +266,7 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
         sums[i] = tally->balance[cml_balance_term_of_total((enum cml_total)i)];
     add_columns(tally->grouped, (size_t)cml_cell_groups(&tally->grid), bins_of_cells(tally), sums + at->Rd_r);
     if (tally->grid.depths) memcpy(sums + at->A_z, tally->A_z, ((size_t)tally->grid.nz + 2) * sizeof *sums);
-    /* gates, detectors and expected values follow A_l in both */
+    /* Gates, detectors and expected values follow A_l both in the tally and in the sums. */
     memcpy(sums + at->A_l, tally->A_l, (at->cells - at->A_l) * sizeof *sums);
 }
 

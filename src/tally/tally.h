@@ -80,7 +80,7 @@ struct cml_tally {
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
-    /* Totals and profiles, with places as in `profile`: */
+    /* The next members hold totals and profiles, with their places as in `profile`. */
     uint64_t *grouped;   /* [cml_cell_groups] profiles by group at the last cml_tally_sum_batch; private */
     uint64_t *last_sums; /* totals and profiles at the last cml_tally_sum_batch; private */
     /* Additions between the last two calls of cml_tally_sum_batch, without those of late packets. */

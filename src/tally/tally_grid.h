@@ -19,8 +19,8 @@ struct cml_tally_grid {
     bool depths;      /* A_z is tallied, by a thread that scores into a shared A_rz */
     bool cell_errors; /* each group of packets has its own A_rz, Rd_ra and Tt_ra */
     bool gate_errors; /* each group of packets has its own Rd_rt and Tt_rt */
-    /* Cells from one group's copy of A_xyz, and of the facets, to the next group's copy; 0: groups share one
-     * copy. */
+    /* Distance in cells from one group's copy of A_xyz, or of the facets, to the next group's copy. 0: all
+     * groups share one copy. */
     size_t voxel_step, facet_step;
     /* Distances between the parts of Rd_xya and Tt_xya, of detectors that are maps, and of Rd_dir to
      * Rsp_dir. */
@@ -47,7 +47,7 @@ struct cml_tally_grid {
     int rows;         /* number of rows of a sweep that come from one flight, or of scores */
     bool derivatives; /* the rows are scores of derivatives */
     bool row_depths;  /* rows have A_z and A_rz from samples, which do not add up to A exactly */
-    bool row_times;   /* rows, or the row that this result belongs to, have A_t if there are gates */
+    bool row_times;   /* the rows, or the row that this result is made for, have A_t if there are gates */
     bool row_means;   /* rows have means of detectors */
     size_t row_cells; /* number of cells of all rows together (row_cells.h) */
     bool backed;      /* some facets lie on a backing, which keeps the light that does not leave them */

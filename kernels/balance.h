@@ -74,7 +74,8 @@ enum cml_count {
     CML_COUNT_BRANCHES, /* P19: parts that were split off packets */
     CML_COUNT_UNSPLIT,  /* packets that stayed whole because no more parts could wait */
     CML_COUNT_CLIPPED,  /* packets that would have split into more than CML_MOST_PARTS parts */
-    /* Packets that would have split into more parts than were left of CML_MOST_OF_FAMILY. */
+    /* Packets that split into fewer parts than wanted, because their budget of CML_MOST_OF_FAMILY branches
+     * (windows.h) was spent. */
     CML_COUNT_SPENT,
     CML_NUM_COUNTS
 };

@@ -52,8 +52,8 @@ struct cml_device_lanes {
 #define CML_ONE_COPY _Pragma("unroll 1")
 /* Makes the compiler read stored values again from memory, so that it need not keep them in registers. */
 #define CML_FORGET_REGISTERS mem_fence(CLK_LOCAL_MEM_FENCE)
-/* Most interactions of a lane between two stops of its work-group for boundaries. With these numbers 32 lanes
- * waited least for each other, measured over S1 to S6 and a hill. */
+/* Most interactions of a lane between two stops of its work-group for boundaries. Measured over the scenes
+ * S1 to S6 of bench/README.md and a hill, 32 lanes wait least for each other with these numbers. */
 #define CML_DEVICE_PASSES (CML_ALL_PLANES ? 8u : 2u)
 #endif
 

@@ -397,7 +397,8 @@ CML_FN void cml_device_work_item(struct cml_world *world, __local const struct c
         flight.alive += packet->fate == CML_FATE_ALIVE;
         cml_device_load_lane(world, &flight, i);
     }
-    /* A path that is known to be free is flown to its end: the next call would have to ask for it again. */
+    /* A path that is known to be free is flown to its end even beyond call.steps, because the next call
+     * would not know that it is free and would search for boundaries again. */
     for (cml_u32 done = 0; flight.alive && (done < call.steps || flight.lanes.path_is_free[0]);)
         done += cml_device_pass(world, stream, to, call, fates, &flight, call.steps - done);
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {

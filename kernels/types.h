@@ -180,7 +180,7 @@ struct cml_detection {
     const struct cml_detector_level *levels;
     const int *start, *list;
     double per_length; /* units per cm in sums of lengths and depths */
-    double top;        /* depth from which summed depths count */
+    double top;        /* depth from which largest depths of packets are measured */
 };
 #endif
 
@@ -367,8 +367,8 @@ struct cml_light_cell {
 struct cml_backing {
     int kind;     /* enum cml_backing_kind */
     int boundary; /* number of the scene's last boundary; -1: there is no backing */
-    /* Mirror, lambertian: share of the weight that stays in the backing; a little over 1 if all of it
-     * stays. */
+    /* Mirror, lambertian: share of the weight that stays in the backing. If all of it stays, the share is
+     * a little over 1, so that rounding never leaves a rest of weight. */
     real kept;
     real n, k; /* metal: index n + i k relative to the index of the last layer */
 };
@@ -445,7 +445,8 @@ struct cml_packet {
     real here, low, momentum;
     cml_u32 before;
     struct cml_trail trail;
-    /* P19: branches out of CML_MOST_OF_FAMILY that are no longer left to the packet. */
+    /* The part of the budget of CML_MOST_OF_FAMILY branches (P19) that the packet may no longer use: branches
+     * that it has split off, and the shares of the budget that it has given to them. */
     cml_u32 spent;
 #endif
 };

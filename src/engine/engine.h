@@ -34,9 +34,9 @@ struct cml_engine_rows {
     bool means;         /* 1: the rows have means of detectors */
 };
 
-/* Returns the worth of a sampled interaction (row_cells.h) in A(z) of a row whose medium absorbs `more`
- * (1/cm) than the flown one. It is a share of the packet's weight after the interaction, or, in a medium that
- * does not scatter, before it. Infinite if packets never interact. */
+/* Returns the share of a packet's weight that a sampled interaction (row_cells.h) adds to A(z) of a row
+ * whose medium absorbs `more` (1/cm) than the flown one. The weight is that after the interaction, or, in
+ * a medium that does not scatter, that before it. Infinite if packets never interact. */
 double cml_engine_row_share(const struct cml_medium_def *flown, double more);
 
 /* Returns the first medium in which too few interactions would make up a row's A(z): none, or each worth more

@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Any number; fixed, so that all runs of a scene have the same surfaces. */
+/* Seed of all trials. Any number would do, but it must be fixed, so that all runs of a scene have the same
+ * surfaces. */
 #define SEED UINT64_C(0x706c616e65)
 #define BATCHES 64
 #define MOST_PACKETS 1048576
@@ -288,8 +289,8 @@ static bool is_face_of_glass(const struct cml_scene *scene, int b)
            scene->beams[0].angle == 0 && scene->beams[0].light.kind == CML_LIGHT_OF_PARALLEL;
 }
 
-/* True if packets of a beam may start within the boundary's depths: a plane would leave some on another
- * side. */
+/* True if packets of a beam inside may start at a depth between the lowest and the highest point of the
+ * boundary. A plane in place of the boundary would leave some of them on the wrong side. */
 static bool starts_within(const struct cml_beam *beam, const struct cml_surface_def *def)
 {
     const double height = cml_beam_height(beam);
@@ -406,7 +407,7 @@ cml_status cml_make_harmless_planes(const struct cml_scene *scene, const struct 
     search.options.seed = SEED;
     search.options.run = 0;
     search.options.absorption = true;
-    search.options.lattice = false; /* the trial's errors take packets for independent */
+    search.options.lattice = false; /* the standard errors of a trial assume independent packets */
     search.options.roulette = (struct cml_roulette_options){0, 0};
     if (!options->may_flatten || options->force != CML_SURFACE_AUTO || scene->facets) return CML_OK;
     return search_planes(&search, err);

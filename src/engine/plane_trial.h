@@ -29,12 +29,12 @@
  * the scene with this plane, and with the planes made before, differs by less than the tolerance from the
  * scene as it is. Three standard errors are added to the measured difference, and for totals and profiles the
  * share of light that so few packets may have missed altogether.
- * Trial packets fly until the answer is
- * certain: no harm, or a larger difference. They end without an answer when they have taken as many steps as
- * fit into about a second. Unless the answer is no harm, the surface stays. `reason` of a boundary tells the
- * outcome. The function does nothing unless options->may_flatten is set and force is CML_SURFACE_AUTO. It
- * does nothing in scenes with facets either, because a plane has none of the facets that the user asks for by
- * number. engine: "cpu". After a failure the set must be freed. */
+ * Trial packets fly until the answer is certain: no harm, or a larger difference. They end without an
+ * answer when they have taken as many steps as fit into about a second. Unless the answer is no harm, the
+ * surface stays. `reason` of a boundary tells the outcome. The function does nothing unless
+ * options->may_flatten is set and force is CML_SURFACE_AUTO. It does nothing in scenes with facets either,
+ * because a plane has none of the facets that the user asks for by number. engine: "cpu". After a failure
+ * the set must be freed. */
 CML_NODISCARD cml_status cml_make_harmless_planes(const struct cml_scene *scene,
                                                   const struct cml_surface_options *options,
                                                   const struct cml_engine *engine,

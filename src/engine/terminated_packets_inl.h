@@ -229,7 +229,8 @@ struct cml_termination {
     struct cml_trail trail;
 };
 
-/* Adds entry i, which has been reflected or transmitted, to its pixel of the map. */
+/* Adds the weight of entry i to its pixel of the map Rd_xya or Tt_xya. The entry must have been reflected
+ * or transmitted. */
 static inline void cml_tally_pixel(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                    int i, const struct cml_exit *exit, const struct cml_tally *tally)
 {

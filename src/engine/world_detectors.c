@@ -162,8 +162,8 @@ static cml_status make_room(struct detection *d, int starts, int entries, struct
     return cml_fail_memory(err, (double)(all_starts + all_entries) * sizeof *list, "detectors");
 }
 
-/* Chooses a grid so fine that few detectors lie in a cell, or one cell if all detectors lie over each other.
- * *count: [n * n] detectors that reach into each cell; the caller frees it. */
+/* Chooses a grid so fine that few detectors lie in a cell, or a grid of one cell if all detectors overlap.
+ * *count: [n * n] number of detectors that reach into each cell; the caller frees it. */
 static cml_status choose_cells(struct level *level, int **count, double *entries, struct cml_error *err)
 {
     const double most = 16.0 * level->count;

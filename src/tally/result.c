@@ -252,8 +252,9 @@ static double facet_imbalance(const struct cml_result *result)
     return difference(in, out);
 }
 
-/* Returns the sum of an array's cells, over all groups or batches, minus its term of the balance; 0 if it has
- * no term. Squares are not weights, and rows have only samples of A_rz (row_depths). */
+/* Returns the sum of an array's cells, over all groups or batches, minus its term of the balance. Sums of
+ * squares are left out, because they are not weights. Returns 0 if the array has no term, and for A_rz of
+ * rows, which is only an estimate from samples (row_depths). */
 static double array_imbalance(const struct cml_result *result, enum cml_array array)
 {
     const struct cml_layout *layout = &result->layout;

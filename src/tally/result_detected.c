@@ -38,7 +38,8 @@ double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, 
     const double bottom = cml_result_bin_sum(result->detector, detectors, k),
                  mean = cml_result_bin_sum(moment, n, i) / bottom;
     double squares = 0, batches = 0;
-    /* Number of batches that saw light; a single one equals the mean and says nothing about its error. */
+    /* Number of batches that saw light. The mean of a single batch is the mean itself, so it says nothing
+     * about the error, which then stays NaN. */
     int seen = 0;
     *error = NAN;
     if (!(bottom > 0)) return NAN;

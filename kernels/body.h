@@ -141,8 +141,8 @@ CML_FN struct cml_cylinder_line cml_cylinder_line_of(const CML_GLOBAL struct cml
     return line;
 }
 
-/* Fills *hit with the crossing at the distance from_middle behind the line's middle. If this place lies
- * behind the packet, the crossing is where the packet is. */
+/* Fills *hit with a crossing of the line. from_middle: distance of the crossing from the line's middle,
+ * positive in flight direction, cm. If the crossing lies behind the packet, it is moved to the packet. */
 CML_FN void cml_cross_cylinder(const struct cml_cylinder_line *line, real from_middle, int primitive,
                                struct cml_body_hit *hit)
 {

@@ -196,7 +196,8 @@ CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct c
     }
 #endif
     (void)afar;
-    if (side < 0 && on_primitive >= 0) return 0; /* a convex body is never met again from outside */
+    /* A packet that stands on a convex body and is outside never meets it again. */
+    if (side < 0 && on_primitive >= 0) return 0;
     const struct cml_vec d = cml_from_body(world, packet, body);
     if (kind == CML_SURFACE_SPHERE) {
         if (side > 0)

@@ -17,7 +17,8 @@
 #define CML_WEIGHT_ONE 0x80000000u
 /* Boundary events in a row after which shading normals count no more. */
 #define CML_SHADED_LIMIT 1000u
-/* Least sine between a direction that a shading normal gives and the facet. */
+/* Least sine of the angle between the facet and a direction computed with a shading normal. If the sine is
+ * smaller, the direction is computed again with the facet's own normal. */
 #define CML_SHADED_LEAST (8 * CML_EPSILON)
 #define CML_TRAPPED_LIMIT 10000u /* boundary events in a row without interaction, in a clear medium */
 /* Boundary events in a row without interaction, in any medium: the packet never gets anywhere. */
@@ -164,9 +165,10 @@ struct cml_detector_level {
  * of its own. */
 enum { CML_SPLIT_UNSEEN, CML_SPLIT_ALIKE, CML_SPLIT_APART };
 
-/* The detector that counts shares of circles (P13), in a scene that looks the same all about the first beam's
- * axis. Of light that leaves on a circle about this axis, it counts the share of the circle that lies in its
- * ring. The ring's middle is `away` from the axis; inner and outer are its radii, cm. */
+/* The detector that counts shares of circles (P13). A scene has one if it looks the same all about the
+ * first beam's axis. Light may then leave anywhere on a circle about this axis, and the detector counts
+ * the share of the circle that lies in its ring. The ring's middle is `away` from the axis; inner and
+ * outer are its radii, cm. */
 struct cml_arc {
     int detector, level; /* number of the detector, from 1 (0: there is none), and its level */
     real away, inner, outer;
@@ -196,7 +198,8 @@ struct cml_marks {
  * than the media that packets fly in. For derivatives (P17) the rows are scores, and `more` and `hits` say
  * how much a path and an interaction add to them. */
 struct cml_rows {
-    /* Number of rows, rounded up to whole groups; the surplus rows absorb nothing more; 0: there are none. */
+    /* Number of rows, rounded up to whole groups (CML_ROW_GROUP); 0: there are none. The rows added by
+     * rounding up absorb nothing more than the scene. */
     int count;
     const real *more; /* [media][count] 1/cm */
     const real *hits; /* scores: [media][count] added at each interaction; NULL in a sweep */

@@ -93,7 +93,8 @@ static cml_status grow(struct cml_phase_tables *tables, size_t *capacity, struct
     return CML_OK;
 }
 
-/* Appends the parts of a cell: chords, as functions of the y of the whole cell. */
+/* Appends the parts of a cell. Each part is a straight line between two points of the exact curve, as a
+ * function of the y of the whole cell. */
 static void add_parts(const struct source *source, int cell, double low, double high,
                       struct cml_phase_tables *tables)
 {

@@ -136,8 +136,9 @@ static double light_of(const struct trial *trial, const struct series *series)
     return fmax(truth, CML_TRIAL_LEAST_SHARE * (double)trial->packets / CML_WEIGHT_UNIT);
 }
 
-/* Returns the largest possible relative difference of a series. A packet that no batch has shown would move
- * from one bin of a profile to another, which counts twice, but change a total once. */
+/* Returns the upper bound on the relative difference of a series: the measured difference, three standard
+ * errors, and the weight of packets that may have been missed altogether (UNSEEN). A missed packet may
+ * move from one bin of a profile to another, which counts twice; it changes a total once. */
 static double most_of_series(const struct trial *trial, const struct series *series)
 {
     double difference = 0, squares = 0;
@@ -363,7 +364,8 @@ static void adopt(const struct search *search, int b)
 static cml_status allocate(struct search *search, struct cml_error *err)
 {
     const size_t count = (size_t)search->curved->count;
-    search->level = *search->curved; /* level surfaces begin as the curved ones, with their bodies */
+    /* Level surfaces begin as copies of the curved ones, and share their bodies. */
+    search->level = *search->curved;
     search->level.item = malloc(count * sizeof *search->level.item);
     search->verdict = calloc(count, sizeof *search->verdict);
     if (!search->level.item || !search->verdict)

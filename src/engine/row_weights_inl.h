@@ -76,13 +76,14 @@ static inline cml_u32 cml_row_hash(cml_u32 h)
 struct cml_row_packet {
     const struct cml_row_sums *sums;
     uint64_t *cells; /* sums of the packet's batch */
-    real *factor;    /* [cml_row_factors]: weight of each row as a share of the packet's, or scores */
-    real rounding;   /* added to weights before they are cut to integers, 0 to below 1 */
+    /* [cml_row_factors] weight of each row divided by the packet's weight; for scores, the score. */
+    real *factor;
+    real rounding; /* added to weights before they are cut to integers, 0 to below 1 */
 };
 
-/* Members behind the factors of all rows, which describe the packet at its last booking: its number of
- * interactions, less whole 2^24, which a float holds exactly; its optical path in the material, and outside
- * of it, cm (P11). */
+/* Numbers behind the factors of all rows, which describe the packet at its last booking: its number of
+ * interactions modulo 2^24, because a float holds integers below 2^24 exactly; its optical path in the
+ * material, and that outside of it, cm (P11). */
 enum { CML_ROW_INTERACTIONS, CML_ROW_INSIDE, CML_ROW_OUTSIDE, CML_ROW_MEMORY };
 
 /* Returns the numbers that the factors of a packet take, with the members behind them. */

@@ -368,8 +368,8 @@ static inline void cml_tally_places(const struct cml_world *world, struct cml_te
     if (tally->facets) cml_tally_escape(setup, terminated, i, &exit, primitive, tally);
 }
 
-/* True if maps, facets, directions, detectors or rows are scored, or packets saved: then every packet must be
- * looked at by itself. */
+/* True if every packet that ends must be looked at by itself, because maps, facets, directions, detectors
+ * or rows are scored, or packets are saved. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
     return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detector || tally->saved || tally->rows;

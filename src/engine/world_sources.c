@@ -277,8 +277,9 @@ static void find_levels(const struct cml_scene *scene, const struct cml_surface_
     level[1] = fmax(bottom->depth + 2 * bottom->highest - bottom->lowest, fmax(first, 0) + bins);
 }
 
-/* Returns the distance (cm) from the middle of a shape along the axis to the level; 0 if the shape does not
- * start beyond it, or the axis does not lead to it. */
+/* Returns the distance (cm) along the axis from the middle of a beam's shape to the level where the scene
+ * begins for it: level[0] if the shape lies above this depth and heads down, level[1] if it lies below
+ * that depth and heads up; else 0. */
 static double way_to_level(const struct cml_beam *beam, const double level[2])
 {
     const double height = cml_beam_height(beam), down = cml_beam_descent(beam);

@@ -31,7 +31,8 @@ const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS] = {
     {CML_QUANTITY_Tt_ra, GRID_COMMENT("Tt", "[r][angle]. [1/(cm2sr)].", "na"), ""},
 };
 
-/* Hours are computed from the seconds as printed, so that a reader of the file can compute them, too. */
+/* Writes the first lines, up to the time of the run. The hours are computed from the seconds as printed,
+ * so that a reader of the file gets the same. */
 static void write_head(FILE *out, const struct cml_outcome *o)
 {
     const double seconds = rint(o->user_time);
@@ -97,8 +98,9 @@ static int columns_of(const struct cml_outcome *o, const struct cml_mco_section 
     return cml_outcome_bins(o, cml_quantities[section->quantity].axis[1]);
 }
 
-/* Line ends of a grid are counted over the whole block. If the last line is full, an empty line follows the
- * block, else not. */
+/* Writes a section: its key, then its numbers. A profile has one number per line. A grid has PER_LINE numbers
+ * per line, counted over the whole grid and not by row. As in MCML, an empty line follows a grid only if its
+ * last line is full. */
 static void write_section(FILE *out, const struct cml_outcome *o, const struct cml_mco_section *section)
 {
     const double *values = o->value[section->quantity];

@@ -110,8 +110,8 @@ static bool exists(const struct cml_tally_grid *grid, enum cml_array_when when, 
     return false;
 }
 
-/* Returns the number of cells of one array in one part. Scores of derivatives have no grids except
- * absorption. */
+/* Returns the number of cells of one array in one part; 0 if the array does not exist. Among the grids of
+ * scores of derivatives only those of absorption exist. */
 static size_t size_of(const struct cml_tally_grid *grid, const struct cml_array_info *info,
                       enum cml_holder holder)
 {
@@ -135,7 +135,8 @@ static bool is_by_group(const struct cml_tally_grid *grid, const struct cml_arra
     }
 }
 
-/* Returns the number of parts in which a holder keeps an array. */
+/* Returns the number of parts in which a holder keeps an array: copies by group or batch, or 2 for sums
+ * and sums of squares. */
 static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array_info *info,
                        enum cml_holder holder)
 {

@@ -51,7 +51,7 @@ static cml_u128 moment(const struct row *row, size_t batch, size_t k, size_t m)
     const cml_u128 whole = (cell(row, bin + 1) << CML_ROW_MOMENT_BITS) + cell(row, bin);
     return m / media == CML_MOMENT_INTERACTIONS
                ? whole
-               : whole << CML_ROW_MOMENT_SHIFT; /* interactions are counted without a unit */
+               : whole << CML_ROW_MOMENT_SHIFT; /* numbers of interactions have no unit to convert */
 }
 
 /* Takes the moments of detectors of one batch. */

@@ -170,7 +170,8 @@ static bool make_keys(struct cml_saved *saved, bool by_index)
     return sorted;
 }
 
-/* Sorts the rows, as many as may be kept. */
+/* Sorts the rows by index, or in the order in which packets are kept. If there are more rows than the
+ * limit, only the first `limit` are in order. */
 static void arrange(struct cml_saved *saved, bool by_index)
 {
     if (make_keys(saved, by_index)) return;

@@ -51,7 +51,8 @@ struct cml_lost_list {
 struct cml_late {
     int count;                  /* number of rows in use */
     int batch[CML_NUM_BATCHES]; /* batch of each row */
-    /* Row of each batch; valid only if row_of < count and batch[row_of] is this batch. */
+    /* Number of the row of each batch. An entry is valid only if it is below `count` and the row's batch
+     * is this batch. */
     int row_of[CML_NUM_BATCHES];
     uint64_t *rows; /* [64][bins] sums of late packets; rows not in use are zero */
 };

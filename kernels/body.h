@@ -21,7 +21,7 @@
 
 /* A crossing with a sphere or a cylinder. */
 struct cml_body_hit {
-    real t, along;      /* distance, cm; of a cylinder, place along its axis, cm */
+    real t, along;      /* distance, cm; place along the axis of a cylinder, cm */
     int primitive;      /* cylinder: 0 the side, 1 the first end, 2 the other end; sphere: 0 */
     struct cml_vec off; /* place from the centre or axis; rounding may have left it beside the surface */
 };

@@ -93,8 +93,8 @@ CML_FN int cml_ring_part(real per_part, int n, real r)
     return part < n - 1 ? part : n - 2;
 }
 
-/* Returns the ring whose span holds r: the largest i with r_i <= r. In a field of even rings it is found at
- * once. */
+/* Returns the ring whose span holds r: the largest i with r_i <= r. In a field of evenly spaced rings it
+ * is found without a search. */
 CML_FN int cml_ring_of(struct cml_rings rings, real r)
 {
     const int last = rings.n - 1;

@@ -45,7 +45,8 @@ struct cml_device_lanes {
 #define CML_DEVICE_LOOP static __attribute__((noinline))
 #define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
 #define CML_FORGET_REGISTERS ((void)0)
-#pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than clang looks for them */
+/* PoCL makes loops into vectors later than clang checks them, so clang's warning would be wrong. */
+#pragma clang diagnostic ignored "-Wpass-failed"
 #else
 #define CML_DEVICE_LOOP CML_FN
 #define CML_AT_ONCE
@@ -118,8 +119,8 @@ CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml
     return may_hit;
 }
 
-/* Runs cml_device_fly_even only if a lane needs the lattice, because it takes twice as many random
- * numbers. */
+/* Draws and flies all lanes. If no lane draws from the lattice, cml_device_fly_random does it, because
+ * cml_device_fly_even takes twice as many random numbers. */
 CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 even = 0;

@@ -421,7 +421,8 @@ struct cml_packet {
     cml_u32 bounces;       /* boundary events since the last interaction */
     cml_u32 boundary_events; /* boundary events in its whole life */
     int medium;
-    /* Boundary and primitive that the packet stands on; -1: nothing, or CML_NEAR_FACETS. */
+    /* Boundary and primitive that the packet stands on; -1 if it stands on nothing. After an interaction
+     * within rounding of a mesh, on_primitive is CML_NEAR_FACETS (mesh_crossing.h). */
     int on_boundary, on_primitive;
     /* Place on a sphere or cylinder that the packet stands on, from its centre or axis, cm. */
     struct cml_vec off;

@@ -448,8 +448,7 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
                                const struct cml_hit *hit)
 {
     const int from = packet->medium, boundary = hit->boundary;
-    /* 1 if the packet is below the boundary: the boundary is the upper one of its medium, or the surface
-     * of the body that the packet is in. */
+    /* 1: the packet is below; the boundary is its medium's upper one, or its own body's surface. */
     const int below = from == boundary + 1;
     const int other = below ? world->surfaces[boundary].above : boundary + 1;
     const real n1 = world->media[from].n, n2 = world->media[other].n;

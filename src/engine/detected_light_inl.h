@@ -54,7 +54,8 @@ static inline uint64_t cml_length_in_units(const struct cml_world *world, double
     return (uint64_t)(int64_t)((units < CML_MOMENT_MOST ? units : CML_MOMENT_MOST - 1) + 0.5);
 }
 
-/* Returns the largest depth of a packet in whole units, counted from detection.top; 0 above it. */
+/* Returns the largest depth of a packet below detection.top in whole units; 0 if the packet stayed above
+ * this depth. */
 static inline uint64_t cml_deepest_in_units(const struct cml_world *world, const struct cml_trail *trail)
 {
     const double deepest = (trail ? (double)trail->deepest : 0) - world->detection.top;

@@ -110,9 +110,9 @@ struct cml_trace_event {
 };
 typedef void cml_trace_function(void *context, const struct cml_trace_event *event);
 
-/* The source of an engine's packets, and the place where it hands in their scores. Threads of the engine call
- * the functions at any time and side by side, so each goes its own way from piece to piece, and none waits
- * for another. */
+/* The source of an engine's packets, and the receiver of their scores. The engine's threads call the
+ * functions at any time and side by side, so each goes its own way from piece to piece, and none waits for
+ * another. */
 struct cml_work {
     void *context;
     /* Finds the next piece, of at most `most` packets. If `takers` threads ask, pieces become smaller towards
@@ -142,7 +142,8 @@ struct cml_patience {
  * and with it all that this call of run has flown. To be asked every few hundred events. */
 bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience);
 
-/* Returns CML_E_STOPPED with a message: the result of an engine's `run` that gave packets up. */
+/* Fails with CML_E_STOPPED and a message. An engine's `run` returns this status if it gave packets up
+ * (cml_engine_gives_up). */
 CML_NODISCARD cml_status cml_engine_given_up(struct cml_error *err);
 
 struct cml_engine {
@@ -151,9 +152,10 @@ struct cml_engine {
     /* Opens a scene. The scene and its surfaces must outlive the engine. */
     cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        const struct cml_engine_options *options, void **self, struct cml_error *err);
-    /* Flies pieces of the work until there are no more, and hands in their tallies; at most
-     * CML_TALLY_MAX_PHOTONS packets in all. After a failure some pieces are flown and not all scores handed
-     * in, so the engine may only be closed. CML_E_STOPPED: packets were given up. */
+    /* Flies pieces of the work until there are no more, at most CML_TALLY_MAX_PHOTONS packets in all, and
+     * passes their tallies to work->add. After a failure some scores of the pieces that were flown may be
+     * missing, so the engine may only be closed. CML_E_STOPPED: packets that do not end were given up
+     * (cml_engine_gives_up). */
     cml_status (*run)(void *self, const struct cml_work *work, struct cml_error *err);
     /* Flies packet `index` alone. on_event may be NULL. */
     cml_status (*trace)(void *self, uint64_t index, cml_trace_function *on_event, void *context,

@@ -18,8 +18,8 @@ struct source {
     bool mirrored;
 };
 
-/* Returns the share of light that is deflected by less than `deflection` (1 - cosine). For a mirrored
- * function the deflection counts from behind. */
+/* Returns the share of light that is deflected by less than `deflection` (1 - cosine). If the function is
+ * mirrored, `deflection` is measured from the backward direction (1 + cosine). */
 static double share_below(const struct source *source, double deflection)
 {
     if (!source->mirrored) return cml_phase_below(source->phase, deflection);

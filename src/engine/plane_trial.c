@@ -17,8 +17,9 @@
 #define ALONE 16.0         /* factor by which a packet that flies alone takes longer */
 #define CELLS_AS_STEPS 0.1 /* steps per cell of a tally, which is zeroed and summed in 1 to 3 ns */
 
-/* Numbers of standard errors: SURE for the finding that a plane does no harm. SURE_OF_HARM for the finding
- * that it does, because one of some hundred bins may be off by chance. */
+/* SURE: number of standard errors added to a difference before a plane is found to do no harm.
+ * SURE_OF_HARM: number of standard errors by which a difference must exceed the tolerance before a plane
+ * is found to do harm. It is larger, because one of some hundred bins may be off by chance. */
 #define SURE 3.0
 #define SURE_OF_HARM 4.0
 /* Expected number of packets that show an effect, up to which it may have been missed. If a share p of all

@@ -218,10 +218,11 @@ CML_ROWS_INLINE void cml_rows_absorb_as(int timed, const struct cml_world *world
     }
 }
 
-/* cml_rows_absorb_as gate by gate, over the optical path `path`. The packet's own loss since its last booking
- * belongs to the gate of that booking, because a packet is booked at its first interaction in any other gate.
- * Rows lose weight all along the path. Where gates cut the path is known to the rounding of times; the length
- * of the path is not changed. */
+/* Books a loss by absorption in all rows (cml_rows_absorb_as), divided among the gates that the optical
+ * path `path` crosses. The packet's own loss since its last booking goes to the gate of that booking,
+ * because a packet is booked at its first interaction in any other gate. Rows lose weight all along the
+ * path. The places where gates cut the path have the rounding of times; the length of the path is not
+ * changed. */
 static inline void cml_rows_absorb_by_time(const struct cml_world *world, const struct cml_row_packet *rows,
                                            int medium, real path, cml_u32 before, cml_u32 left)
 {
@@ -321,7 +322,8 @@ static inline struct cml_row_place cml_rows_sampled_at(const struct cml_world *w
     };
 }
 
-/* Fetches bins into the cache that will be needed soon: grids of all rows are larger than caches. */
+/* Fetches the bins that will be needed soon into the cache, because grids of all rows are larger than
+ * caches. */
 static inline void cml_rows_expect(const struct cml_row_packet *rows, struct cml_row_place at)
 {
     for (int i = 0; i < rows->sums->count; i += 8) { /* one step for each cache line of 64 bytes */
@@ -516,9 +518,10 @@ static inline void cml_rows_detect(const struct cml_world *world, const struct c
     }
 }
 
-/* Adds the light to the bin of its direction, for each row. If errors come of groups, each group has bins of
- * its own, once.step apart. If not (step 0), squares of weights are summed once.squares bins behind. Rows
- * count in 2^-30 packets and squares in 2^-31, hence 2 * part. */
+/* Adds the light to the bin of its direction, for each row. If standard errors come from groups, each
+ * group has bins of its own, once.step bins apart. If once.step is 0, all groups share the bins, and
+ * squares of weights are summed once.squares bins behind. Rows count in 2^-30 packets and squares in
+ * 2^-31, hence 2 * part. */
 static inline void cml_rows_direct(const struct cml_setup *setup, const struct cml_row_light *of)
 {
     const struct cml_row_packet *rows = of->rows;

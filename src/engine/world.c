@@ -31,7 +31,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     cml_arrays_free(&to->arrays);
     free(to->detector_start);
     free(to->detector_list);
-    *to = (struct cml_owned_world){0}; /* a caller that opened the engine around it may free it again */
+    *to = (struct cml_owned_world){0}; /* zeroed, so that a caller that frees the world again does no harm */
 }
 
 /* Allocates the arrays whose sizes are known from the surfaces. */
@@ -370,8 +370,8 @@ static cml_status set_windows(const struct cml_scene *scene, const double origin
     return CML_OK;
 }
 
-/* Fills the backing. It keeps 1 - R of a weight, exact to the last bit at both ends: all of the weight, or
- * nothing. */
+/* Fills the backing. It keeps the share 1 - R of a weight. For R = 0 it keeps all of the weight, and for R
+ * = 1 nothing, both exact to the last bit. */
 static void set_backing(const struct cml_scene *scene, struct cml_backing *backing)
 {
     const struct cml_backing_def *def = &scene->backing;

@@ -235,8 +235,9 @@ static cml_status check_place(const struct cml_scene *scene, const struct cml_wo
     return CML_OK;
 }
 
-/* Refuses light that starts below a backing, or beside the heights of its boundary if the shape is slanted.
- * Bodies lie in layers, so a start in a body is above the backing. */
+/* Refuses light that starts below a backing. If the shape of the beam has a height, all of the shape must
+ * lie above the highest point of the boundary with the backing. Bodies lie in layers, so a start in a body
+ * is above the backing. */
 static cml_status check_backing(const struct cml_scene *scene, const struct cml_world *world,
                                 const struct cml_beam *beam, int medium, struct cml_error *err)
 {

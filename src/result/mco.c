@@ -180,7 +180,8 @@ static void write_balance(FILE *out, const struct cml_outcome *o)
     for (int i = 0; i < o->lost.count; i++) fprintf(out, "%" PRIu64 "\n", o->lost.index[i]);
 }
 
-/* Errors of single prints stay with the stream; cml_file_commit checks them. */
+/* Writes the file section by section. Errors of single prints stay with the stream, where cml_file_commit
+ * finds them. */
 cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct cml_error *err)
 {
     struct cml_file file;

@@ -430,7 +430,8 @@ double cml_result_once_error(const struct cml_result *result, const cml_u128 *ce
     return cml_result_cell_error(result, group, 1);
 }
 
-/* The causes of loss are neighbours in enum cml_count. */
+/* Returns the number of lost packets: the sum over all causes of loss, which are neighbours in enum
+ * cml_count. */
 uint64_t cml_result_lost(const struct cml_result *result)
 {
     cml_u128 lost = 0;

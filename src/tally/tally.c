@@ -126,7 +126,8 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
     }
 }
 
-/* Leaves borrowed arrays as they are, because other threads score into them meanwhile. */
+/* Sets the tally's own sums to zero. Borrowed arrays stay as they are, because other threads score into
+ * them meanwhile. */
 void cml_tally_zero(struct cml_tally *tally)
 {
     memset(tally->cells, 0, tally->layout.cells * sizeof *tally->cells);
@@ -193,8 +194,8 @@ uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
     return late->rows + (size_t)late->row_of[batch] * tally->profile.cells;
 }
 
-/* Clears the rows in use only. Rows are taken from the first one on, so memory of rows that are never needed
- * is never touched. */
+/* Sets the rows of late packets in use to zero, and forgets them. Rows are taken from the first one on, so
+ * memory of rows that are never needed is never touched. */
 void cml_tally_drop_late(struct cml_tally *tally)
 {
     const size_t cells = (size_t)tally->late.count * tally->profile.cells;

@@ -72,7 +72,7 @@ enum cml_count {
     CML_COUNT_LOST_TOO_FAR,
     CML_COUNT_LOST_ROUGH,
     CML_COUNT_BRANCHES, /* P19: parts that were split off packets */
-    CML_COUNT_UNSPLIT,  /* packets that stayed whole because no more parts could wait */
+    CML_COUNT_UNSPLIT,  /* packets that stayed whole because the stack of branches was full */
     CML_COUNT_CLIPPED,  /* packets that would have split into more than CML_MOST_PARTS parts */
     /* Packets that would have split into more parts than was left of their budget of CML_MOST_OF_FAMILY
      * branches (windows.h). */

@@ -135,8 +135,8 @@ CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_depth_bounds *map, cons
     return horizon[map->first_horizon + y * (map->size >> map->horizon_level) + x];
 }
 
-/* cml_depth_over_box for rings. A path comes closest to the axis at one of its ends, or, if it turns outwards
- * between them, where it passes the axis. */
+/* Returns the bound of cml_depth_over_box for rings. A path comes closest to the axis at one of its ends, or,
+ * if it turns outwards between them, where it passes the axis. */
 CML_FN real cml_depth_over_radii(const CML_GLOBAL struct cml_depth_bounds *map, const CML_GLOBAL real *bounds,
                                  struct cml_vec p, struct cml_vec d, real side)
 {
@@ -456,7 +456,8 @@ CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
     return cml_clip_interval(&surface->depths, bounds, start, u, side, s, form);
 }
 
-/* cml_curved_interval for a surface of any kind. */
+/* Returns the interval of a path on which a packet can meet a surface of any kind within t_max. The
+ * parameters are those of cml_curved_interval. */
 CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
                                                 const CML_GLOBAL struct cml_surface *surface,
                                                 struct cml_vec p, struct cml_vec u, real side,

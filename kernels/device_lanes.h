@@ -110,7 +110,8 @@ CML_DEVICE_LOOP cml_u32 cml_device_fly_random(struct cml_stream stream, struct c
     return may_hit;
 }
 
-/* cml_device_fly_random for lanes of which some may draw from the lattice. */
+/* Runs cml_device_fly_lane on all lanes, some of which may draw from the lattice. Returns the mask of lanes
+ * for which it returns 1. */
 CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 may_hit = 0;

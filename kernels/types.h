@@ -292,8 +292,8 @@ struct cml_tail_interval {
     real ratio, rest, per_root;
 };
 
-/* Table of the results that are expected of light which goes down through the level z of a medium, if
- * everything below is flat (P15). */
+/* Table of the expected results (P15) of light that goes down through the level z of a medium, if
+ * everything below this level is flat. */
 struct cml_tail {
     int medium;
     real z;            /* depth of the level, in the frame of the medium */

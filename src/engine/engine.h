@@ -39,8 +39,9 @@ struct cml_engine_rows {
  * a medium that does not scatter, that before it. Infinite if packets never interact. */
 double cml_engine_row_share(const struct cml_medium_def *flown, double more);
 
-/* Returns the first medium in which too few interactions would make up a row's A(z): none, or each worth more
- * than CML_ROW_MOST_SHARE packets. Returns -1 if there is no such medium. */
+/* Returns the first medium in which too few interactions would make up a row's A(z): packets never
+ * interact there, or each interaction would count as more than CML_ROW_MOST_SHARE packets. Returns -1 if
+ * there is no such medium. */
 #define CML_ROW_MOST_SHARE 1e4
 int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_engine_rows *rows);
 
@@ -54,8 +55,9 @@ struct cml_engine_options {
     struct cml_roulette_options roulette;
     bool reentry;    /* 1: packets may come back into the material (P6) */
     bool absorption; /* 1: tally A_rz */
-    /* Surfaces by which packets start: above boundary 0 if it is curved here. So a scene of another geometry
-     * draws the same numbers. NULL: the run's own surfaces. Borrowed. */
+    /* Surfaces by which packets start; NULL: the run's own. Packets start above boundary 0 unless it is a
+     * smooth plane in these surfaces. With the surfaces of another geometry, a scene draws the same random
+     * numbers as that geometry. Borrowed. */
     const struct cml_surface_set *start_as;
     const struct cml_flat_tail *tail; /* expected values that are wanted (P15); NULL: none. Borrowed */
     /* Weight windows in place of roulette (P19); NULL: none. Borrowed. Only for a scene without maps, facets,

@@ -252,7 +252,7 @@ struct search {
     struct cml_engine_options options;
     double tolerance, most_steps; /* most steps for one boundary */
     struct cml_surface_set *curved;
-    /* Own level rings where a plane does no harm, else the surfaces of `curved`. */
+    /* Level rings, owned, where a plane does no harm; elsewhere the surfaces of `curved`, borrowed. */
     struct cml_surface_set level;
     struct verdict *verdict; /* [curved->count] */
 };

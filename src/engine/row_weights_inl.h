@@ -171,7 +171,7 @@ static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w,
     memory[CML_ROW_INSIDE] = path > 0 ? path : (real)0;
 }
 
-/* cml_rows_fly for scores: adds to each score the effect of a flight of length t (cm). */
+/* Adds to each score the effect of a flight of length t (cm). It is cml_rows_fly for rows that are scores. */
 static inline void cml_scores_fly(const struct cml_world *world, const struct cml_row_packet *rows,
                                   int medium, real t, cml_u32 interactions, cml_u32 before, cml_u32 left)
 {
@@ -277,7 +277,7 @@ static inline int cml_rows_have_returned(const struct cml_world *world, const st
            rows->factor[rows->sums->count + CML_ROW_OUTSIDE] != cml_rows_outside(world, trail);
 }
 
-/* Notes, after cml_rows_fly, that the time outside has passed. */
+/* Records the optical path outside the material as booked. Call it after cml_rows_fly. */
 static inline void cml_rows_pass_time(const struct cml_world *world, const struct cml_row_packet *rows,
                                       const struct cml_trail *trail)
 {

@@ -38,8 +38,9 @@ static inline void rows_begin(const struct cml_world *world, struct row_walk *ro
     const struct cml_row_packet its =
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
     cml_rows_launch(&its, packet->w, 1, packet->path);
-    /* The layers above the start absorb in no row. A path below 0 means that the clock of the trail has not
-     * started. */
+    /* A path above 0 is that through the layers above the start. It is set to 0, because these layers
+     * absorb in no row. A path below 0 means that the clock of the trail has not started; it stays if the
+     * packet has a trail. */
     if (packet->path > 0 || !packet->trail.stay) packet->path = 0;
     rows->medium = packet->medium;
     rows->w = rows->now = packet->w;

@@ -20,7 +20,8 @@
 #include <math.h>
 
 #define CML_TERMINATED 128
-/* Most packets that may be added at once: the collection is flushed while it still has room for so many. */
+/* Largest number of packets that are added in one go. The collection is flushed as soon as it has no room
+ * for this many more. */
 #define CML_TERMINATED_TOGETHER 16
 
 /* The collection, a structure of arrays. Entries from `count` on hold any values, but loops over all entries
@@ -331,7 +332,7 @@ static inline void cml_save_packet(const struct cml_world *world, const struct c
     row->optical = (float)cml_trail_path(world, trail);
 }
 
-/* Ends the rows of entry i of the collection with it, whatever its end (P16). A function of its own, not
+/* Books the end of entry i of the collection in all rows (P16), whatever its end. The function is not
  * inlined, because few flights have rows. */
 __attribute__((noinline)) static void
 cml_tally_rows(const struct cml_world *world, const struct cml_terminated *terminated, int i,

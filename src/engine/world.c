@@ -50,9 +50,9 @@ static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_ow
     return cml_arrays_check(&to->arrays, "the scene", err);
 }
 
-/* Returns an upper bound of the bytes of all phase tables. Cells are made in double precision. Only then it
- * is known how many have parts: all cells of a user's table may; of the other functions up to 130 cells
- * did. */
+/* Returns an upper bound of the bytes of all phase tables, in double precision and in that of the kernels.
+ * The number of cells with parts is known only when a table has been made. In a user's table all cells may
+ * have parts; in those of other functions at most 130 cells had, so 150 are assumed. */
 static double phase_bytes(const struct cml_scene *scene)
 {
     double cells = 0;

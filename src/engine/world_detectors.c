@@ -224,7 +224,8 @@ static int compare_places(const void *a, const void *b)
     return (one->number > other->number) - (one->number < other->number);
 }
 
-/* Adds all levels: runs of detectors with the same side and level. */
+/* Adds all levels. A level is a run of detectors with the same side and depth, because place[] is sorted
+ * by both. */
 static cml_status add_levels(const struct cml_scene *scene, const double origin[2], const struct place *place,
                              struct detection *d, int *num_levels, struct cml_error *err)
 {

@@ -51,7 +51,7 @@ enum cml_spread {
     CML_KEPT_AS_BATCHES /* one copy per batch, in a tally as well */
 };
 
-/* The condition under which an array exists, apart from all its axes having bins. */
+/* Conditions of arrays. An array exists if its condition holds and all its axes have bins. */
 enum cml_array_when {
     CML_IF_ANY,
     CML_IF_GATES,

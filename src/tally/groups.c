@@ -3,7 +3,7 @@
 
 #include "tally/row_cells.h"
 
-/* Returns the distances of an array of so many cells that is kept by group, or as sums and squares. */
+/* Returns the layout of an array of `cells` cells: one copy per group, or one of sums and one of squares. */
 static struct cml_once once_of(size_t cells, bool by_group)
 {
     return (struct cml_once){by_group ? cells : 0, cells};

@@ -5,7 +5,8 @@
 
 #include <stdlib.h>
 
-/* Neighbouring ranges are not joined: ranks return few ranges, and taking turns needs no order. */
+/* Appends the range. Neighbouring ranges are not joined, because ranks return few ranges, and taking turns
+ * needs no order. */
 cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range, struct cml_error *err)
 {
     if (range.count == 0) return CML_OK;

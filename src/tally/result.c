@@ -11,7 +11,8 @@ double cml_result_bytes(const struct cml_tally_grid *grid)
            cml_saved_bytes(&grid->saved);
 }
 
-/* Allocates all arrays in one block, so that a checkpoint or a sum over ranks is one loop over cells. */
+/* Makes a result of zeros. All arrays lie in one block, so that a checkpoint or a sum over ranks is one
+ * loop over cells. */
 cml_status cml_result_create(const struct cml_tally_grid *grid, uint64_t photons, struct cml_result *result,
                              struct cml_error *err)
 {
@@ -146,8 +147,8 @@ void cml_result_add_batch(struct cml_result *result, int batch, const struct cml
         add_to_batch(result, late->batch[row], tally, late->rows + (size_t)row * tally->profile.cells);
 }
 
-/* Adds fluence without its cells beyond the grid. Only cells beyond the last radius count, for phi_z. Most
- * cells are 0, because few batches are flown in one range. */
+/* Adds fluence without its cells beyond the grid, except that cells beyond the last radius count for
+ * phi_z. Most cells are 0, because few batches are flown in one range. */
 static void add_fluence(struct cml_result *result, const uint64_t *phi)
 {
     const size_t nr = (size_t)result->grid.nr, nz = (size_t)result->grid.nz;
@@ -162,8 +163,8 @@ static void add_fluence(struct cml_result *result, const uint64_t *phi)
     }
 }
 
-/* Adds cells of a large map, or of rows. In one range few of them are hit, and testing for 0 is cheaper than
- * adding to 128 bits. Rows that are scores may be negative. */
+/* Adds cells of rows, in which scores may be negative: the sign of the 64-bit cell is extended to 128
+ * bits. In one range few cells are hit, and testing for 0 is cheaper than adding to 128 bits. */
 static void add_rows(cml_u128 *to, const uint64_t *from, size_t cells)
 {
     for (size_t i = 0; i < cells; i++) {
@@ -172,6 +173,7 @@ static void add_rows(cml_u128 *to, const uint64_t *from, size_t cells)
     }
 }
 
+/* Adds cells of large maps, in which few cells are hit, too. */
 static void add_sparse(cml_u128 *to, const uint64_t *from, size_t cells)
 {
     for (size_t i = 0; i < cells; i++)
@@ -213,7 +215,8 @@ void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from)
     cml_lost_list_merge(&to->lost, &from->lost);
 }
 
-/* Returns the number of photons in one of `groups` groups, of `photons` dealt out in turn. */
+/* Returns the number of photons in group number `group`, if `photons` are dealt out in turn to `groups`
+ * groups. */
 static uint64_t group_size(uint64_t photons, int groups, int group)
 {
     return photons / (uint64_t)groups + ((uint64_t)group < photons % (uint64_t)groups);

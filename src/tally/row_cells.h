@@ -17,7 +17,7 @@
 
 #include <math.h>
 
-/* Number of rows that a vector sums together; rows are rounded up to a multiple. */
+/* Number of rows that a vector sums together. The number of rows is rounded up to a multiple of it. */
 #define CML_ROW_GROUP 16
 
 /* Number of interactions of a packet per sample for A_z and A_rz of rows. The sampled interaction stands for

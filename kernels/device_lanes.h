@@ -41,7 +41,7 @@ struct cml_device_lanes {
 };
 
 #if CML_DEVICE_LANES > 1
-/* A function of its own, so that the compiler makes its loop a vector loop. */
+/* Makes the loop a function of its own, because the compiler then makes it a vector loop. */
 #define CML_DEVICE_LOOP static __attribute__((noinline))
 #define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
 #define CML_FORGET_REGISTERS ((void)0)

@@ -301,10 +301,10 @@ struct cml_tail {
     const struct cml_tail_interval *interval; /* by rising refractive index; the last has ratio 1, rest 0 */
     const float *response;                    /* [intervals][cells + 1][scores], each 0..1 */
 };
-/* Weight windows (P19): the weight that a packet shall have, by its depth in the scene and its distance from
- * a place. Cells of depth are equal and begin at depth 0; ring k lies between k^2 and (k + 1)^2 over
- * per_root^2 from the place. The first and last cell of depth and the last ring have no outer border. Each
- * entry belongs to the least target weight W in its cell. */
+/* Weight windows (P19): the weight that a packet shall have, by its depth in the scene and its distance
+ * from a place. Cells of depth are equal and begin at depth 0; ring k lies between k^2 and (k + 1)^2 over
+ * per_root^2 from the place. The first and last cell of depth and the last ring have no outer border. An
+ * entry of the table is the lower end of the window for the least target weight W in its cell. */
 struct cml_weight_windows {
     int cells, rings;    /* cells of depth, 0: there are no windows; rings: 1 if only depth counts */
     real per_bin;        /* cells in a bin of dz */

@@ -121,8 +121,9 @@ uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
 
 #define PATIENCE 0.3 /* seconds of a thread's own time */
 
-/* A thread's patience counts by its own time, not the wall's, so that packets get their time to end on a
- * machine that is busy with other work. */
+/* True if the thread has flown on for the time of its patience since the run was to stop. The time is the
+ * thread's own, not the wall's, so that packets get their time to end on a machine that is busy with other
+ * work. */
 bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience)
 {
     if (!work->stops || !work->stops(work->context)) return false;

@@ -22,8 +22,9 @@
  * is found to do harm. It is larger, because one of some hundred bins may be off by chance. */
 #define SURE 3.0
 #define SURE_OF_HARM 4.0
-/* Expected number of packets that show an effect, up to which it may have been missed. If a share p of all
- * packets shows the effect, none of n packets does with the probability exp(-n p): 0.13 % at n p = 6.6. */
+/* Largest expected number of packets that show an effect although no packet has shown it yet. If a share p
+ * of all packets shows an effect, none of n packets shows it with the probability exp(-n p). At n p = 6.6
+ * this is 0.14 %, so an effect that was not seen is smaller with 99.86 % certainty. */
 #define UNSEEN 6.6
 
 /* Neighbouring values that are judged together: a total, or the bins of a profile. */
@@ -180,8 +181,9 @@ static struct verdict judge(const struct trial *trial)
     return verdict;
 }
 
-/* Returns the packets of the next round: 64, 1984, 16 Ki - 2 Ki ..., because few packets are enough to see a
- * large difference. The last round takes the steps that are left. */
+/* Returns the number of packets of the next round. The total grows to 64, 2048, 16 Ki, 128 Ki and 1 Mi
+ * packets, because few packets are enough to see a large difference. The last round takes the steps that
+ * are left. */
 static uint64_t next_round(const struct trial *trial)
 {
     const double left = trial->most_steps - trial->steps - (trial->rounds + 1) * trial->overhead;

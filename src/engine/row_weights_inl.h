@@ -86,7 +86,7 @@ struct cml_row_packet {
  * material, and that outside of it, cm (P11). */
 enum { CML_ROW_INTERACTIONS, CML_ROW_INSIDE, CML_ROW_OUTSIDE, CML_ROW_MEMORY };
 
-/* Returns the numbers that the factors of a packet take, with the members behind them. */
+/* Returns how many numbers the factors of a packet take, with the numbers behind them (CML_ROW_MEMORY). */
 static inline size_t cml_row_factors(size_t rows)
 {
     return rows + CML_ROW_MEMORY;

@@ -10,7 +10,7 @@
 #include "engine/terminated_packets_inl.h"
 #include "walk.h"
 
-/* Steps between two looks at whether to give up. */
+/* Number of steps of a thread between two calls of cml_engine_gives_up. */
 #define CML_STEPS_PER_LOOK 256
 
 /* Begins the trail of a packet that has been launched (P13). */
@@ -188,7 +188,7 @@ struct tracing {
     cml_u32 rough_draws; /* the packet's rough_draws at its last event */
 };
 
-/* Hands an event of kernels/walk.h to the listener, in the coordinates of the scene. */
+/* Passes an event of kernels/walk.h on to the listener, in the coordinates of the scene. */
 static void forward_event(void *context, const char *what, const struct cml_packet *packet)
 {
     struct tracing *tracing = context;

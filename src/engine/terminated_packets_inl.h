@@ -428,8 +428,8 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }
 
-/* Moves three counts from `branches` to the tally: packets that stayed whole, packets split into fewer parts
- * than wanted, and packets without branches left. branches: may be NULL. */
+/* Moves three counts from `branches` to the tally: packets that stayed whole, packets split into fewer
+ * parts than wanted, and packets whose budget of branches was spent. branches: may be NULL. */
 static inline void cml_tally_unsplit(struct cml_branches *branches, struct cml_tally *tally)
 {
     if (!branches) return;

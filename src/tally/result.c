@@ -65,7 +65,8 @@ static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_
 
 /* Adds the cells of an array row by row. Rows have no extra cell before the first bin, and rows and columns
  * have at most one behind the last. The only axis of a 1D array is that of columns. Arrays over radius alone
- * are margins of grids, whose cells beyond the bins count in the balance already. */
+ * are margins of grids. The grids' cells beyond the bins already count in the balance, so those of margins do
+ * not. */
 void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
                           const struct cml_cell_source *from)
 {

@@ -94,8 +94,9 @@ struct cml_depth_bounds {
     real corner_x, corner_y, per_cell; /* corner in cm from the scene's axis; cells per cm */
     /* Cells per cm along y. It equals per_cell unless `form` is CML_BOUNDS_PERIOD. */
     real per_cell_y;
-    /* meshes: index of the first horizon in world.horizon_below and above; level whose cells have
-     * horizons. */
+    /* Meshes: index of the first horizon in world.horizon_below and above; level of the pyramid whose
+     * cells have horizons. A horizon is a slope: packets that leave the mesh more steeply never meet it
+     * again. */
     int first_horizon, horizon_level;
 };
 

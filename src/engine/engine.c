@@ -54,8 +54,8 @@ int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_eng
     return -1;
 }
 
-/* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other facets than its
- * cones. */
+/* Returns the grid of the tallies that a run with these options needs. Facets are counted on the surfaces
+ * that are flown, because a boundary that is tessellated has other facets than its cones. */
 struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                       const struct cml_engine_options *options)
 {

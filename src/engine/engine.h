@@ -74,7 +74,7 @@ struct cml_engine_options {
     /* Devices: "0", "0,2" or "all", by the numbers that `devices` lists; NULL: cml_opencl_default chooses
      * one. */
     const char *device;
-    int local_rank;            /* this process's number among those of its machine, for this choice */
+    int local_rank; /* number of this process among those of its machine, for the choice of a device */
     const char *build_options; /* options for the device's compiler, after our own; NULL: none */
     int group;                 /* work-items per group; 0: the device chooses */
     bool loose_division; /* 1: division and root as on devices that cannot round them correctly; for tests */

@@ -82,7 +82,7 @@ static void list_series(const struct cml_tally_grid *grid, struct series *series
 
 /* ---- flying ---- */
 
-/* Folds what lies beyond the grid into the first and last bins, as the output does. */
+/* Adds the cells beyond the grid to the first and last bins, as the output does. */
 static void fold_profiles(struct cml_tally *tally)
 {
     const struct cml_layout at = tally->profile;

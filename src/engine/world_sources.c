@@ -203,10 +203,10 @@ static int medium_beside(const struct cml_world *world, const struct cml_beam *b
     return cml_medium_at(world, medium, &at);
 }
 
-/* Returns the least allowed distance (cm) of a start from a surface. A mesh takes half of the first term for
- * contact (err_position of surface/tree/rounding.h). The second term covers the rounding of a place whose
- * numbers are nearly 0. Both are those of single precision in both precisions, so that all engines refuse the
- * same beams. */
+/* Returns the least allowed distance (cm) of a start from a surface. The first term is twice the distance
+ * at which a mesh takes a packet to be on a facet (err_position of surface/tree/rounding.h). The second
+ * term covers the rounding of a place whose numbers are nearly 0. Both terms are those of single
+ * precision, also in the engine in double precision, so that all engines refuse the same beams. */
 static double least_gap(const struct cml_scene *scene, const struct cml_world *world,
                         const struct cml_beam *beam)
 {
@@ -317,7 +317,8 @@ static cml_status place_far(const struct cml_scene *scene, const struct cml_beam
 }
 
 /* Refuses light that may fly so far in one go that single precision tells shapes, bodies and detectors too
- * coarsely where it arrives. Few packets fly 20 free paths. */
+ * coarsely where it arrives. Light that has more than 20 free paths to fly is not refused, because few
+ * packets fly that far in one go. */
 static cml_status check_flight(const struct cml_scene *scene, const struct cml_beam *beam,
                                const struct cml_origin *origin, double distance, double mut,
                                struct cml_error *err)

@@ -153,7 +153,8 @@ static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array
 
 /* clang-format on */
 
-/* Returns the number of arrays, from this one on, that are stored interleaved by group. */
+/* Returns the number of arrays, from this one on, that are stored together: one part of each array in
+ * turn. */
 static int num_together(const struct cml_array_order *order, int first)
 {
     const struct cml_array_info *info = &cml_arrays[order->array[first]];

@@ -271,8 +271,9 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
     memcpy(sums + at->A_l, tally->A_l, (at->cells - at->A_l) * sizeof *sums);
 }
 
-/* A tally continues from batch to batch, and is summed anew each time, because its profiles are much shorter
- * than its grids. The difference to the last sums is the batch's share. */
+/* Computes the batch's share of the totals and profiles: the difference of the present sums to the last
+ * ones. A tally goes on from batch to batch, and is summed anew each time, because its profiles are much
+ * shorter than its grids. */
 void cml_tally_sum_batch(struct cml_tally *tally, int batch)
 {
     const size_t bins = tally->profile.cells;

@@ -75,7 +75,7 @@ static inline size_t cml_tally_media(const struct cml_tally_grid *grid)
 /* The moments of a detector: sums of weight times one of these numbers, by medium, kind after kind. Behind
  * them comes the sum of weight times largest depth. */
 enum cml_moment { CML_MOMENT_PATH, CML_MOMENT_INTERACTIONS, CML_MOMENT_MOMENTUM, CML_MEDIUM_MOMENTS };
-#define CML_MOMENTUM_UNIT 1.52587890625e-5 /* 2^-16 */
+#define CML_MOMENTUM_UNIT 1.52587890625e-5 /* unit of sums of 1 - cosine: 2^-16 */
 
 /* Returns the number of moments of a detector. */
 static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)

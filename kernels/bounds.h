@@ -104,8 +104,8 @@ CML_FN real cml_depth_over_period(const CML_GLOBAL struct cml_depth_bounds *map,
 }
 
 /* Returns the horizon (cml_cell_horizon) at a point of a repeated mesh: the highest horizon among the cells
- * in which rounding may have put the point; infinite if more than two cells along an axis come into question.
- */
+ * in which rounding may have put the point; infinite if rounding leaves more than two cells along an
+ * axis. */
 CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_depth_bounds *map,
                                   const CML_GLOBAL real *horizon, struct cml_vec p)
 {

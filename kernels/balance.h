@@ -4,10 +4,10 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
-/* Squares of weights: an array with too many cells for sums by group takes its standard error from the sum of
- * squared weights, because a packet escapes only once. With lattice sampling this error is too large, never
- * too small. Weights are rounded to 2^-16 of a packet before they are squared, so the squares of 2^30 packets
- * fit into 64 bits. */
+/* Number of bits by which a weight is shortened before it is squared: weights are rounded to 2^-16 of a
+ * packet, so that the squares of 2^30 packets fit into 64 bits. Squares serve arrays with too many cells
+ * for sums by group. Such an array takes its standard error from the sum of squared weights, because a
+ * packet escapes only once. With lattice sampling this error is too large, never too small. */
 #define CML_SQUARE_SHIFT 15
 
 /* Layout of an array to whose cells a packet adds at most once. With sums by group, the cells of two
@@ -51,8 +51,8 @@ enum cml_balance_term {
     /* Parts of reflected, transmitted and absorbed that were scored in the last radial bin although they lie
      * beyond it. */
     CML_BALANCE_OVERFLOW_R,
-    CML_BALANCE_OVERFLOW_Z, /* part of absorbed that was scored in the last depth bin from below it */
-    CML_BALANCE_ABOVE,      /* part of absorbed that was scored in the first depth bin from z < 0 */
+    CML_BALANCE_OVERFLOW_Z, /* part of absorbed that lay below the last depth bin and was scored in it */
+    CML_BALANCE_ABOVE,      /* part of absorbed that lay above z = 0 and was scored in the first depth bin */
     CML_BALANCE_BACKING,    /* kept by the backing; a term of the balance */
     CML_NUM_BALANCE_TERMS
 };
@@ -72,9 +72,10 @@ enum cml_count {
     CML_COUNT_LOST_TOO_FAR,
     CML_COUNT_LOST_ROUGH,
     CML_COUNT_BRANCHES, /* P19: parts that were split off packets */
-    CML_COUNT_UNSPLIT,  /* packets that stayed whole because no more parts could wait */
+    CML_COUNT_UNSPLIT,  /* packets that stayed whole because the stack of branches was full */
     CML_COUNT_CLIPPED,  /* packets that would have split into more than CML_MOST_PARTS parts */
-    /* Packets that would have split into more parts than were left of CML_MOST_OF_FAMILY. */
+    /* Packets that would have split into more parts than was left of their budget of CML_MOST_OF_FAMILY
+     * branches (windows.h). */
     CML_COUNT_SPENT,
     CML_NUM_COUNTS
 };

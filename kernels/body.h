@@ -21,7 +21,7 @@
 
 /* A crossing with a sphere or a cylinder. */
 struct cml_body_hit {
-    real t, along;      /* distance, cm; of a cylinder, place along its axis, cm */
+    real t, along;      /* distance, cm; place along the axis of a cylinder, cm */
     int primitive;      /* cylinder: 0 the side, 1 the first end, 2 the other end; sphere: 0 */
     struct cml_vec off; /* place from the centre or axis; rounding may have left it beside the surface */
 };
@@ -60,8 +60,8 @@ CML_FN struct cml_pass cml_pass_chord(struct cml_vec d, struct cml_vec v)
     return pass;
 }
 
-/* Finds the crossing of a packet outside a sphere. Returns 0 if its path misses the sphere. d: the packet
- * from the centre, cm; r: radius, cm. */
+/* Finds the crossing of a packet outside a sphere. Returns 0 if its path misses the sphere. d: from the
+ * sphere's centre to the packet, cm; r: radius, cm. */
 CML_FN int cml_enter_sphere(struct cml_vec d, struct cml_vec u, real r, struct cml_body_hit *hit)
 {
     if (!(cml_dot(d, u) < 0)) return 0;
@@ -72,8 +72,8 @@ CML_FN int cml_enter_sphere(struct cml_vec d, struct cml_vec u, real r, struct c
     return pass.passes;
 }
 
-/* Finds the crossing at which a packet inside a sphere leaves it. d: the packet from the centre, cm; r:
- * radius, cm; stands: 1 if the packet stands on the sphere. */
+/* Finds the crossing at which a packet inside a sphere leaves it. d: from the sphere's centre to the packet,
+ * cm; r: radius, cm; stands: 1 if the packet stands on the sphere. */
 CML_FN void cml_leave_sphere(struct cml_vec d, struct cml_vec u, real r, int stands, struct cml_body_hit *hit)
 {
     const int on = stands | (cml_dot(d, d) >= r * r);
@@ -141,8 +141,8 @@ CML_FN struct cml_cylinder_line cml_cylinder_line_of(const CML_GLOBAL struct cml
     return line;
 }
 
-/* Fills *hit with the crossing at the distance from_middle behind the line's middle. If this place lies
- * behind the packet, the crossing is where the packet is. */
+/* Fills *hit with a crossing of the line. from_middle: distance of the crossing from the line's middle,
+ * positive in flight direction, cm. If the crossing lies behind the packet, it is moved to the packet. */
 CML_FN void cml_cross_cylinder(const struct cml_cylinder_line *line, real from_middle, int primitive,
                                struct cml_body_hit *hit)
 {

@@ -81,8 +81,9 @@ CML_FN struct cml_cell_range cml_cells_of_period(real x, real d, real corner, re
     return range;
 }
 
-/* cml_depth_over_box for a repeated mesh. On the level whose cells are longer than the range, two
- * neighbouring cells cover the range, also the last and the first cell of a period. */
+/* Returns the bound of cml_depth_over_box for a repeated mesh. It takes the level of the pyramid whose cells
+ * are longer than the path's range of cells. There two neighbouring cells along each axis cover the range;
+ * the last and the first cell of a period are neighbours, too. */
 CML_FN real cml_depth_over_period(const CML_GLOBAL struct cml_depth_bounds *map,
                                   const CML_GLOBAL real *bounds, struct cml_vec p, struct cml_vec d,
                                   real side)
@@ -102,8 +103,9 @@ CML_FN real cml_depth_over_period(const CML_GLOBAL struct cml_depth_bounds *map,
     return ab > ce ? ab : ce;
 }
 
-/* cml_cell_horizon for a repeated mesh: the highest horizon among the cells in which rounding may have put
- * the point; infinite if they are too many. */
+/* Returns the horizon (cml_cell_horizon) at a point of a repeated mesh: the highest horizon among the cells
+ * in which rounding may have put the point; infinite if rounding leaves more than two cells along an
+ * axis. */
 CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_depth_bounds *map,
                                   const CML_GLOBAL real *horizon, struct cml_vec p)
 {
@@ -133,8 +135,8 @@ CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_depth_bounds *map, cons
     return horizon[map->first_horizon + y * (map->size >> map->horizon_level) + x];
 }
 
-/* cml_depth_over_box for rings. A path comes closest to the axis at one of its ends, or, if it turns outwards
- * between them, where it passes the axis. */
+/* Returns the bound of cml_depth_over_box for rings. A path comes closest to the axis at one of its ends, or,
+ * if it turns outwards between them, where it passes the axis. */
 CML_FN real cml_depth_over_radii(const CML_GLOBAL struct cml_depth_bounds *map, const CML_GLOBAL real *bounds,
                                  struct cml_vec p, struct cml_vec d, real side)
 {
@@ -409,7 +411,8 @@ CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct c
                      : world->ring_horizon_above)[surface->first_ring + on_primitive];
 }
 
-/* True if a direction leads away from the surface at least as steeply as `horizon`, a slope. */
+/* True if a packet that heads along u moves away from the surface at least as steeply as the slope `horizon`
+ * (cml_horizon), so that it never meets the surface again. */
 CML_FN int cml_heads_away(real horizon, struct cml_vec u, real side)
 {
     return (side * u.z > 0) & (u.z * u.z >= horizon * horizon * (u.x * u.x + u.y * u.y));
@@ -453,7 +456,8 @@ CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
     return cml_clip_interval(&surface->depths, bounds, start, u, side, s, form);
 }
 
-/* cml_curved_interval for a surface of any kind. */
+/* Returns the interval of a path on which a packet can meet a surface of any kind within t_max. The
+ * parameters are those of cml_curved_interval. */
 CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
                                                 const CML_GLOBAL struct cml_surface *surface,
                                                 struct cml_vec p, struct cml_vec u, real side,

@@ -93,8 +93,8 @@ CML_FN int cml_ring_part(real per_part, int n, real r)
     return part < n - 1 ? part : n - 2;
 }
 
-/* Returns the ring whose span holds r: the largest i with r_i <= r. In a field of even rings it is found at
- * once. */
+/* Returns the ring whose span holds r: the largest i with r_i <= r. In a field of evenly spaced rings it
+ * is found without a search. */
 CML_FN int cml_ring_of(struct cml_rings rings, real r)
 {
     const int last = rings.n - 1;
@@ -285,7 +285,7 @@ CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *r
     return cml_ring_search(rings, ray, i, apart ? t / 2 : t0, t1, t);
 }
 
-/* Returns the place in a span that is nearest to a root. */
+/* Returns the root, or the nearer end of the span [t0, t1] if the root lies outside the span. */
 CML_FN real cml_clamp_to_span(real root, real t0, real t1)
 {
     return root > t0 ? (root < t1 ? root : t1) : t0;
@@ -365,10 +365,10 @@ enum cml_cone_verdict {
 #define CML_CONE_ALONE 3
 #define CML_CONE_TOGETHER 16
 
-/* Skips spans in which a march that stands on no ring provably meets nothing, by the arithmetic of
- * cml_cone_go: they end before t_max, on the packet's side, and in none of them does the ray come closest to
- * its cone. Moves the march to the first other span, and returns the number of spans skipped. The caller
- * makes sure that CML_CONE_TOGETHER rings lie ahead. */
+/* Skips spans in which a march that stands on no ring provably meets nothing. The arithmetic is that of
+ * cml_cone_go. A span is skipped if it ends before t_max and on the packet's side, and if the ray does not
+ * come closest to the ring's cone within it. Moves the march to the first span that is not skipped, and
+ * returns the number of spans skipped. The caller makes sure that CML_CONE_TOGETHER rings lie ahead. */
 __attribute__((always_inline)) static inline int
 cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_max, const int inwards)
 {
@@ -406,7 +406,8 @@ cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_m
     return first;
 }
 
-/* Skips spans that meet nothing, CML_CONE_TOGETHER at a time, as long as enough rings lie ahead. */
+/* Moves the march past spans that meet nothing. It tests CML_CONE_TOGETHER spans at a time, and ends when a
+ * span needs a closer search or fewer rings than that lie ahead. */
 __attribute__((noinline, unused)) static void cml_cone_skip(struct cml_rings rings,
                                                             struct cml_cone_march *march, real t_max)
 {

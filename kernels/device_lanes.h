@@ -41,19 +41,20 @@ struct cml_device_lanes {
 };
 
 #if CML_DEVICE_LANES > 1
-/* A function of its own, so that the compiler makes its loop a vector loop. */
+/* Makes the loop a function of its own, because the compiler then makes it a vector loop. */
 #define CML_DEVICE_LOOP static __attribute__((noinline))
 #define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
 #define CML_FORGET_REGISTERS ((void)0)
-#pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than clang looks for them */
+/* PoCL makes loops into vectors later than clang checks them, so clang's warning would be wrong. */
+#pragma clang diagnostic ignored "-Wpass-failed"
 #else
 #define CML_DEVICE_LOOP CML_FN
 #define CML_AT_ONCE
 #define CML_ONE_COPY _Pragma("unroll 1")
 /* Makes the compiler read stored values again from memory, so that it need not keep them in registers. */
 #define CML_FORGET_REGISTERS mem_fence(CLK_LOCAL_MEM_FENCE)
-/* Most interactions of a lane between two stops of its work-group for boundaries. With these numbers 32 lanes
- * waited least for each other, measured over S1 to S6 and a hill. */
+/* Most interactions of a lane between two stops of its work-group for boundaries. Measured over the scenes
+ * S1 to S6 of bench/README.md and a hill, 32 lanes wait least for each other with these numbers. */
 #define CML_DEVICE_PASSES (CML_ALL_PLANES ? 8u : 2u)
 #endif
 
@@ -109,7 +110,8 @@ CML_DEVICE_LOOP cml_u32 cml_device_fly_random(struct cml_stream stream, struct c
     return may_hit;
 }
 
-/* cml_device_fly_random for lanes of which some may draw from the lattice. */
+/* Runs cml_device_fly_lane on all lanes, some of which may draw from the lattice. Returns the mask of lanes
+ * for which it returns 1. */
 CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 may_hit = 0;
@@ -118,8 +120,8 @@ CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml
     return may_hit;
 }
 
-/* Runs cml_device_fly_even only if a lane needs the lattice, because it takes twice as many random
- * numbers. */
+/* Draws and flies all lanes. If no lane draws from the lattice, cml_device_fly_random does it, because
+ * cml_device_fly_even takes twice as many random numbers. */
 CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 even = 0;
@@ -127,7 +129,8 @@ CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes 
     return even ? cml_device_fly_even(stream, l) : cml_device_fly_random(stream, l);
 }
 #else
-/* cml_device_fly_lane for the only lane. A lane whose path is known to be free meets no boundary. */
+/* Runs cml_device_fly_lane on the only lane. The lane does not stop for boundaries if its path is known to be
+ * free. */
 CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     const cml_u32 may_hit = cml_device_fly_lane(stream, l->interactions[0] < stream.lattice, l, 0);

@@ -11,7 +11,7 @@
 /* A stack of packets that wait for their flight (P19). Each thread has its own. */
 struct cml_branches {
     int count, most;
-    cml_u64 whole, clipped, spent; /* counts CML_COUNT_UNSPLIT, CML_COUNT_CLIPPED and CML_COUNT_SPENT */
+    cml_u64 whole, clipped, spent; /* for CML_COUNT_UNSPLIT, CML_COUNT_CLIPPED and CML_COUNT_SPENT */
     struct cml_packet *item;       /* [most] */
     /* [most][media] stays of their trails (P13); NULL if no result needs them. */
     struct cml_stay *stay;

@@ -18,7 +18,7 @@
 #define CML_LATTICE_EVENTS 3u
 
 /* Number of a packet's first boundary events with unequal indices whose reflection comes from the lattice.
- * Two, because above a curved boundary the first one is where a packet enters. */
+ * Below a curved boundary the first event is the packet's entry, so there are two. */
 #define CML_LATTICE_REFLECTIONS 2u
 
 /* Dimensions of the lattice. Dimension 4 e + k is word k of interaction e, for k < 3. The dimensions with k =

@@ -188,8 +188,9 @@ CML_FN void cml_mark_path(const struct cml_world *world, const struct cml_deposi
     packet->mark = cml_mark_stretch(world, to, &s, packet->mark, t);
 }
 
-/* Scores an interaction: in a dense medium itself, else the marks of the flight to it. The packet has flown t
- * (cm) from `from`, where its optical path was `path`, and still has all its weight. */
+/* Scores an interaction. In a dense medium the interaction itself scores; in any other medium the marks of
+ * the flight to it score. The packet has flown t (cm) from `from`, where its optical path was `path`, and
+ * still has all its weight. */
 CML_FN void cml_mark_interaction(const struct cml_world *world, const struct cml_deposits *to,
                                  struct cml_packet *packet, struct cml_vec from, real path, real t)
 {

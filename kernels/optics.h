@@ -128,7 +128,8 @@ CML_FN cml_u32 cml_phase_cell_number(real g, cml_u32 polar_word)
     return table * CML_PHASE_CELLS + (size > 1 ? cell : 0u);
 }
 
-/* Returns the cell of a table for a polar word: cell `number`, or a part of it if it is divided. */
+/* Returns the table's cell for the random word of a polar angle. Cell `number` may be divided into parts;
+ * then the part for the word is returned. */
 CML_FN struct cml_phase_cell cml_phase_cell_at(CML_GLOBAL const struct cml_phase_cell *cells, cml_u32 number,
                                                cml_u32 polar_word)
 {
@@ -176,7 +177,7 @@ CML_FN struct cml_vec cml_scatter(struct cml_vec u, real g, cml_u32 polar_word, 
     return cml_deflect(u, per_divisor, ct, st, cp, sp);
 }
 
-/* Returns the direction after a scattering (P4) in a medium with a phase table. drawn:
+/* Returns the direction after a scattering (P4) in a medium with a phase table. drawn: result of
  * cml_phase_one_minus. */
 CML_FN struct cml_vec cml_scatter_drawn(struct cml_vec u, real g, real drawn, cml_u32 azimuth_word)
 {

@@ -15,8 +15,9 @@
 
 #include "port.h"
 
-/* The purpose of a block, a part of the counter: with it, additional boundary events leave the scattering
- * draws unchanged. "[k]" is word k of a block. */
+/* The purpose of a block of random words. The purpose is a part of the generator's counter, so that draws
+ * for one purpose do not change those for another: additional boundary events leave the scattering draws
+ * unchanged. "[k]" is word k of a block. */
 enum cml_purpose {
     /* Event e: [0] optical depth to interaction e, [1] [2] its angles, [3] its roulette. */
     CML_PURPOSE_INTERACTION,

@@ -239,8 +239,8 @@ CML_ROUGH_FN struct cml_vec cml_rough_normal_beckmann(real alpha, struct cml_vec
     return m;
 }
 
-/* Returns the unit normal of the facet that a packet in direction v meets, drawn as seen from -v. v may go
- * up. */
+/* Returns the unit normal of the facet that a packet in direction v meets. The facet is drawn from those
+ * that are seen from -v. v may go up. */
 CML_ROUGH_FN struct cml_vec cml_rough_normal(struct cml_rough rough, struct cml_vec v, cml_u32 first,
                                              cml_u32 second)
 {

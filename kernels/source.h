@@ -193,8 +193,8 @@ CML_FN real cml_table_polar(const struct cml_world *world, const CML_GLOBAL stru
     return CML_FMA(cell.width, xi * (cell.begin + cell.end) / (cell.begin + CML_SQRT(square)), cell.v);
 }
 
-/* Returns a direction along e1, e2 and the axis, drawn with words 2 and 3. n: index of the medium at the
- * start. */
+/* Returns a direction made of e1, e2 and the axis, drawn with words 2 and 3 of the packet's launch. n:
+ * refractive index of the medium at the start. */
 CML_FN struct cml_vec cml_source_turn(const struct cml_world *world,
                                       const CML_GLOBAL struct cml_source *source, struct cml_block draw,
                                       real n)

@@ -196,7 +196,8 @@ CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct c
     }
 #endif
     (void)afar;
-    if (side < 0 && on_primitive >= 0) return 0; /* a convex body is never met again from outside */
+    /* A packet that stands on a convex body and is outside never meets it again. */
+    if (side < 0 && on_primitive >= 0) return 0;
     const struct cml_vec d = cml_from_body(world, packet, body);
     if (kind == CML_SURFACE_SPHERE) {
         if (side > 0)
@@ -217,8 +218,8 @@ CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct c
     return 1;
 }
 
-/* Finds the packet's first crossing with the surface of a body before t_max: from inside that of its own
- * body, from outside those of the bodies in its medium. */
+/* Finds the packet's first crossing with the surface of a body before t_max. A packet inside a body may
+ * meet the surface of this body, and every packet those of the bodies that lie in its medium. */
 CML_FN int cml_nearest_body(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t_max,
                             int afar, struct cml_hit *hit)
 {

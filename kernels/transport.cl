@@ -114,9 +114,9 @@ struct cml_device_flight {
     cml_u32 alive; /* number of packets alive */
 };
 
-/* Counts the weight that the lane has deposited as absorbed. Deposits belong to the medium in which they were
- * made, and show as lost weight. So it must be called before medium or weight change in another way, and
- * after cml_device_read_lane. */
+/* Counts the weight that the lane has deposited since the last call as absorbed. The deposits belong to
+ * the lane's present medium, and are the difference of its weight to that at the last call. So call this
+ * function before medium or weight change in another way, and after cml_device_read_lane. */
 CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
     const cml_u32 deposited = f->lanes.flushed_w[i] - f->packets[i].w;
@@ -241,8 +241,9 @@ CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET stru
     return cml_nearest_hit(world, packet, cml_find_intervals(world, packet, t), hit);
 }
 #else
-/* cml_find_intervals and cml_nearest_hit with one copy of the search, used for the boundary above and then
- * for the one below: a device with one lane holds only little code at a time. */
+/* Finds the packet's first crossing, as cml_find_intervals and cml_nearest_hit do. The code contains the
+ * search only once, and uses it for the boundary above and then for the one below, because a device with
+ * one lane holds only little code at a time. */
 CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t,
                                   struct cml_hit *hit)
 {
@@ -397,7 +398,8 @@ CML_FN void cml_device_work_item(struct cml_world *world, __local const struct c
         flight.alive += packet->fate == CML_FATE_ALIVE;
         cml_device_load_lane(world, &flight, i);
     }
-    /* A path that is known to be free is flown to its end: the next call would have to ask for it again. */
+    /* A path that is known to be free is flown to its end even beyond call.steps, because the next call
+     * would not know that it is free and would search for boundaries again. */
     for (cml_u32 done = 0; flight.alive && (done < call.steps || flight.lanes.path_is_free[0]);)
         done += cml_device_pass(world, stream, to, call, fates, &flight, call.steps - done);
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {

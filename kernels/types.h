@@ -17,7 +17,8 @@
 #define CML_WEIGHT_ONE 0x80000000u
 /* Boundary events in a row after which shading normals count no more. */
 #define CML_SHADED_LIMIT 1000u
-/* Least sine between a direction that a shading normal gives and the facet. */
+/* Least sine of the angle between the facet and a direction computed with a shading normal. If the sine is
+ * smaller, the direction is computed again with the facet's own normal. */
 #define CML_SHADED_LEAST (8 * CML_EPSILON)
 #define CML_TRAPPED_LIMIT 10000u /* boundary events in a row without interaction, in a clear medium */
 /* Boundary events in a row without interaction, in any medium: the packet never gets anywhere. */
@@ -91,10 +92,11 @@ struct cml_depth_bounds {
     int first; /* index of level 0 in world.deepest and world.highest */
     int level_offset[CML_DEPTH_LEVELS];
     real corner_x, corner_y, per_cell; /* corner in cm from the scene's axis; cells per cm */
-    /* Cells per cm along y; differs from per_cell only if the form is a period. */
+    /* Cells per cm along y. It equals per_cell unless `form` is CML_BOUNDS_PERIOD. */
     real per_cell_y;
-    /* meshes: index of the first horizon in world.horizon_below and above; level whose cells have
-     * horizons. */
+    /* Meshes: index of the first horizon in world.horizon_below and above; level of the pyramid whose
+     * cells have horizons. A horizon is a slope: packets that leave the mesh more steeply never meet it
+     * again. */
     int first_horizon, horizon_level;
 };
 
@@ -111,7 +113,7 @@ struct cml_safe_cells {
 #endif
 
 /* The grid of maps and of the volume. Its corner lies at x = -nx / 2 * dx, y = -ny / 2 * dy. The volume has
- * the depth bins of A_rz, from its upper face on. */
+ * depth bins of dz like A_rz, but its first bin begins at the volume's upper face. */
 struct cml_map {
     int nx, ny, na; /* na: angle bins of a pixel; nx 0: there is no map */
     real per_dx, per_dy;
@@ -164,9 +166,10 @@ struct cml_detector_level {
  * of its own. */
 enum { CML_SPLIT_UNSEEN, CML_SPLIT_ALIKE, CML_SPLIT_APART };
 
-/* The detector that counts shares of circles (P13), in a scene that looks the same all about the first beam's
- * axis. Of light that leaves on a circle about this axis, it counts the share of the circle that lies in its
- * ring. The ring's middle is `away` from the axis; inner and outer are its radii, cm. */
+/* The detector that counts shares of circles (P13). A scene has one if it looks the same all about the
+ * first beam's axis. Light may then leave anywhere on a circle about this axis, and the detector counts
+ * the share of the circle that lies in its ring. The ring's middle is `away` from the axis; inner and
+ * outer are its radii, cm. */
 struct cml_arc {
     int detector, level; /* number of the detector, from 1 (0: there is none), and its level */
     real away, inner, outer;
@@ -180,7 +183,7 @@ struct cml_detection {
     const struct cml_detector_level *levels;
     const int *start, *list;
     double per_length; /* units per cm in sums of lengths and depths */
-    double top;        /* depth from which summed depths count */
+    double top;        /* depth from which largest depths of packets are measured */
 };
 #endif
 
@@ -196,7 +199,8 @@ struct cml_marks {
  * than the media that packets fly in. For derivatives (P17) the rows are scores, and `more` and `hits` say
  * how much a path and an interaction add to them. */
 struct cml_rows {
-    /* Number of rows, rounded up to whole groups; the surplus rows absorb nothing more; 0: there are none. */
+    /* Number of rows, rounded up to whole groups (CML_ROW_GROUP); 0: there are none. The rows added by
+     * rounding up absorb nothing more than the scene. */
     int count;
     const real *more; /* [media][count] 1/cm */
     const real *hits; /* scores: [media][count] added at each interaction; NULL in a sweep */
@@ -276,8 +280,8 @@ struct cml_body_cell {
 /* Rule of roulette (P8): which packets play, and the weight of survivors. Weights are in units. */
 struct cml_roulette_rule {
     cml_u32 below; /* packets lighter than this play */
-    /* Weight of a survivor, at least `below`. 0: a survivor weighs ten times its old weight, as in original
-     * MCML; then `below` is at most 2^31 / 10. */
+    /* Weight of a survivor in weight units, at least `below`. 0 means that a survivor weighs ten times its
+     * old weight, as in original MCML; `below` is then at most 2^31 / 10, so that the new weight fits. */
     cml_u32 weight;
 };
 
@@ -289,8 +293,8 @@ struct cml_tail_interval {
     real ratio, rest, per_root;
 };
 
-/* Table of the results that are expected of light which goes down through the level z of a medium, if
- * everything below is flat (P15). */
+/* Table of the expected results (P15) of light that goes down through the level z of a medium, if
+ * everything below this level is flat. */
 struct cml_tail {
     int medium;
     real z;            /* depth of the level, in the frame of the medium */
@@ -298,10 +302,10 @@ struct cml_tail {
     const struct cml_tail_interval *interval; /* by rising refractive index; the last has ratio 1, rest 0 */
     const float *response;                    /* [intervals][cells + 1][scores], each 0..1 */
 };
-/* Weight windows (P19): the weight that a packet shall have, by its depth in the scene and its distance from
- * a place. Cells of depth are equal and begin at depth 0; ring k lies between k^2 and (k + 1)^2 over
- * per_root^2 from the place. The first and last cell of depth and the last ring have no outer border. Each
- * entry belongs to the least target weight W in its cell. */
+/* Weight windows (P19): the weight that a packet shall have, by its depth in the scene and its distance
+ * from a place. Cells of depth are equal and begin at depth 0; ring k lies between k^2 and (k + 1)^2 over
+ * per_root^2 from the place. The first and last cell of depth and the last ring have no outer border. An
+ * entry of the table is the lower end of the window for the least target weight W in its cell. */
 struct cml_weight_windows {
     int cells, rings;    /* cells of depth, 0: there are no windows; rings: 1 if only depth counts */
     real per_bin;        /* cells in a bin of dz */
@@ -341,7 +345,8 @@ struct cml_source {
     /* Middle of the shape: x and y from the scene's origin, z in the frame of boundary 0, or for a source
      * inside in the frame of its medium. */
     struct cml_vec middle;
-    /* Z at which packets start, in the frame of `medium`; not used for a source inside that is near. */
+    /* Z at which packets start, in the frame of `medium`. A source inside that is not far (`is_far`) does not
+     * use it. */
     real start;
     struct cml_vec axis, e1, e2; /* direction of the beam, and two unit vectors across it */
     int shape, light;            /* enum cml_beam_shape, cml_source_light */
@@ -366,8 +371,8 @@ struct cml_light_cell {
 struct cml_backing {
     int kind;     /* enum cml_backing_kind */
     int boundary; /* number of the scene's last boundary; -1: there is no backing */
-    /* Mirror, lambertian: share of the weight that stays in the backing; a little over 1 if all of it
-     * stays. */
+    /* Mirror, lambertian: share of the weight that stays in the backing. If all of it stays, the share is
+     * a little over 1, so that rounding never leaves a rest of weight. */
     real kept;
     real n, k; /* metal: index n + i k relative to the index of the last layer */
 };
@@ -389,7 +394,8 @@ struct cml_setup {
     int keeps_paths; /* 1: gates, detectors, saved packets or rows need the lengths of paths */
     struct cml_direction_bins directions;
     struct cml_marks marks;
-    struct cml_facet_range outer_facets[2]; /* facets of boundaries 0 and num_layers; count 0 for planes */
+    /* Facets of boundaries 0 and num_layers; count 0 for a boundary that is a plane. */
+    struct cml_facet_range outer_facets[2];
     struct cml_backing backing;
     int num_sources;
     cml_u32 specular; /* weight units that are split off every packet at its launch; 0 if sources differ */
@@ -416,7 +422,8 @@ struct cml_packet {
     cml_u32 bounces;       /* boundary events since the last interaction */
     cml_u32 boundary_events; /* boundary events in its whole life */
     int medium;
-    /* Boundary and primitive that the packet stands on; -1: nothing, or CML_NEAR_FACETS. */
+    /* Boundary and primitive that the packet stands on; -1 if it stands on nothing. After an interaction
+     * within rounding of a mesh, on_primitive is CML_NEAR_FACETS (mesh_crossing.h). */
     int on_boundary, on_primitive;
     /* Place on a sphere or cylinder that the packet stands on, from its centre or axis, cm. */
     struct cml_vec off;
@@ -443,7 +450,8 @@ struct cml_packet {
     real here, low, momentum;
     cml_u32 before;
     struct cml_trail trail;
-    /* P19: branches out of CML_MOST_OF_FAMILY that are no longer left to the packet. */
+    /* The part of the budget of CML_MOST_OF_FAMILY branches (P19) that the packet may no longer use: branches
+     * that it has split off, and the shares of the budget that it has given to them. */
     cml_u32 spent;
 #endif
 };

@@ -30,8 +30,9 @@
 #include "windows.h"
 #endif
 
-/* Draws the block of the next interaction, and the optical depth to it (P2). A device draws for many packets
- * together before their next step (device_lanes.h); an optical depth below 0 asks for that. */
+/* Draws the random words of the next interaction, and the optical depth to it (P2). On a device it only
+ * sets the optical depth below 0, which asks the device to draw for many packets together before their
+ * next step (device_lanes.h). */
 CML_FN void cml_next_flight(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
 #ifdef __OPENCL_VERSION__
@@ -447,7 +448,7 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
                                const struct cml_hit *hit)
 {
     const int from = packet->medium, boundary = hit->boundary;
-    /* The boundary is the medium's upper one, or the surface of the packet's own body. */
+    /* 1: the packet is below; the boundary is its medium's upper one, or its own body's surface. */
     const int below = from == boundary + 1;
     const int other = below ? world->surfaces[boundary].above : boundary + 1;
     const real n1 = world->media[from].n, n2 = world->media[other].n;
@@ -505,9 +506,10 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
                      left);
 }
 
-/* Scores the facets of the planes through which a packet has come before its start (P1): the specular part
- * has left upwards, the rest has gone on. In a clear first layer, the weight `between` turns back at boundary
- * 0 from below, summed over all ways to and fro, and as much at boundary 1 from above. */
+/* Scores the facets of the planes that a packet has passed before its start (P1). The specular part has
+ * left upwards, the rest has gone on. In a clear first layer, light goes to and fro between boundaries 0
+ * and 1. Summed over all ways, the weight `between` turns back at boundary 0 from below, and as much at
+ * boundary 1 from above. */
 CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_deposits *to,
                              CML_PACKET const struct cml_packet *packet)
 {

@@ -87,8 +87,8 @@ CML_FN void cml_take_branch(const struct cml_world *world, struct cml_branches *
     for (int m = 0; trail.stay && m < media; m++) trail.stay[m] = from->stay[at + m];
 }
 
-/* Returns the number of parts of about the weight `target` into which a packet splits. The parts share the
- * branches that are left to the packet. */
+/* Returns the number of parts of about the weight `target` into which a packet splits. packet->spent says how
+ * much of the budget of CML_MOST_OF_FAMILY branches is used up; the parts share the rest equally. */
 CML_FN cml_u32 cml_parts_of(struct cml_branches *to, struct cml_packet *packet, cml_u32 target)
 {
     const cml_u32 wanted = (packet->w + target / 2) / target, left = CML_MOST_OF_FAMILY - packet->spent;
@@ -100,8 +100,9 @@ CML_FN cml_u32 cml_parts_of(struct cml_branches *to, struct cml_packet *packet, 
     return parts;
 }
 
-/* Returns the branches spent by a survivor of roulette that weighed w before: it takes over the branches of
- * the packets that do not survive. */
+/* Returns packet->spent after roulette, for a survivor that weighed w before and weighs `survivor` now. The
+ * rest of its budget of branches grows like its weight, because it takes over the budgets of the packets
+ * that do not survive. */
 CML_FN cml_u32 cml_spent_after(cml_u32 spent, cml_u32 w, cml_u32 survivor)
 {
     const cml_u64 left = (cml_u64)(CML_MOST_OF_FAMILY - spent) * survivor / w;

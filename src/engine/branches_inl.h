@@ -21,7 +21,8 @@ static inline void cml_branches_free(struct cml_branches *branches)
     *branches = (struct cml_branches){0};
 }
 
-/* Makes the stack of one thread. It is empty if the world has no windows. CML_E_INPUT: memory has run out. */
+/* Makes the stack of one thread; it has no memory if the world has no weight windows. CML_E_INPUT: memory
+ * has run out. */
 static inline cml_status cml_branches_create(const struct cml_world *world, struct cml_branches *to,
                                              struct cml_error *err)
 {

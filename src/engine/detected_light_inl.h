@@ -54,7 +54,8 @@ static inline uint64_t cml_length_in_units(const struct cml_world *world, double
     return (uint64_t)(int64_t)((units < CML_MOMENT_MOST ? units : CML_MOMENT_MOST - 1) + 0.5);
 }
 
-/* Returns the largest depth of a packet in whole units, counted from detection.top; 0 above it. */
+/* Returns the largest depth of a packet below detection.top in whole units; 0 if the packet stayed above
+ * this depth. */
 static inline uint64_t cml_deepest_in_units(const struct cml_world *world, const struct cml_trail *trail)
 {
     const double deepest = (trail ? (double)trail->deepest : 0) - world->detection.top;
@@ -99,8 +100,9 @@ static inline void cml_add_moments(const struct cml_world *world, const struct c
     if (deepest) cml_add_moment(moments + CML_MEDIUM_MOMENTS * media * CML_MOMENT_CELLS, light, deepest);
 }
 
-/* Returns the amount that light of weight w adds to the sum of squares of a pixel. If other light of the same
- * packet, `before`, has come to the same pixel, both count as one weight. */
+/* Returns the amount that light of weight w adds to the sum of squares of a pixel. A packet's light may
+ * come in two parts; if the first, `before`, came to the same pixel, the square of the sum of both weights
+ * counts, so the square of the first is subtracted. */
 static inline uint64_t cml_square_in_pixel(const struct cml_detector *detector, real z, cml_u64 pixel,
                                            cml_u32 w, const struct cml_light_out *before)
 {

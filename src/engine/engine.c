@@ -19,8 +19,8 @@ static double path_unit(const struct cml_scene *scene)
     return ldexp(1, exponent - 24);
 }
 
-/* Returns the depth from which depths count, cm: no packet that was in the material has its largest depth
- * above this. */
+/* Returns the depth, cm, from which largest depths of packets are measured: no packet that was in the
+ * material has its largest depth above this depth. */
 static double path_top(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     double top = surfaces && surfaces->count > 0 ? fmin(0, surfaces->item[0].lowest) : 0;
@@ -54,8 +54,8 @@ int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_eng
     return -1;
 }
 
-/* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other facets than its
- * cones. */
+/* Returns the grid of the tallies that a run with these options needs. Facets are counted on the surfaces
+ * that are flown, because a boundary that is tessellated has other facets than its cones. */
 struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                       const struct cml_engine_options *options)
 {
@@ -121,8 +121,9 @@ uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
 
 #define PATIENCE 0.3 /* seconds of a thread's own time */
 
-/* A thread's patience counts by its own time, not the wall's, so that packets get their time to end on a
- * machine that is busy with other work. */
+/* True if the thread has flown on for the time of its patience since the run was to stop. The time is the
+ * thread's own, not the wall's, so that packets get their time to end on a machine that is busy with other
+ * work. */
 bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience)
 {
     if (!work->stops || !work->stops(work->context)) return false;

@@ -34,13 +34,14 @@ struct cml_engine_rows {
     bool means;         /* 1: the rows have means of detectors */
 };
 
-/* Returns the worth of a sampled interaction (row_cells.h) in A(z) of a row whose medium absorbs `more`
- * (1/cm) than the flown one. It is a share of the packet's weight after the interaction, or, in a medium that
- * does not scatter, before it. Infinite if packets never interact. */
+/* Returns the share of a packet's weight that a sampled interaction (row_cells.h) adds to A(z) of a row
+ * whose medium absorbs `more` (1/cm) than the flown one. The weight is that after the interaction, or, in
+ * a medium that does not scatter, that before it. Infinite if packets never interact. */
 double cml_engine_row_share(const struct cml_medium_def *flown, double more);
 
-/* Returns the first medium in which too few interactions would make up a row's A(z): none, or each worth more
- * than CML_ROW_MOST_SHARE packets. Returns -1 if there is no such medium. */
+/* Returns the first medium in which too few interactions would make up a row's A(z): packets never
+ * interact there, or each interaction would count as more than CML_ROW_MOST_SHARE packets. Returns -1 if
+ * there is no such medium. */
 #define CML_ROW_MOST_SHARE 1e4
 int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_engine_rows *rows);
 
@@ -54,8 +55,9 @@ struct cml_engine_options {
     struct cml_roulette_options roulette;
     bool reentry;    /* 1: packets may come back into the material (P6) */
     bool absorption; /* 1: tally A_rz */
-    /* Surfaces by which packets start: above boundary 0 if it is curved here. So a scene of another geometry
-     * draws the same numbers. NULL: the run's own surfaces. Borrowed. */
+    /* Surfaces by which packets start; NULL: the run's own. Packets start above boundary 0 unless it is a
+     * smooth plane in these surfaces. With the surfaces of another geometry, a scene draws the same random
+     * numbers as that geometry. Borrowed. */
     const struct cml_surface_set *start_as;
     const struct cml_flat_tail *tail; /* expected values that are wanted (P15); NULL: none. Borrowed */
     /* Weight windows in place of roulette (P19); NULL: none. Borrowed. Only for a scene without maps, facets,
@@ -72,7 +74,7 @@ struct cml_engine_options {
     /* Devices: "0", "0,2" or "all", by the numbers that `devices` lists; NULL: cml_opencl_default chooses
      * one. */
     const char *device;
-    int local_rank;            /* this process's number among those of its machine, for this choice */
+    int local_rank; /* number of this process among those of its machine, for the choice of a device */
     const char *build_options; /* options for the device's compiler, after our own; NULL: none */
     int group;                 /* work-items per group; 0: the device chooses */
     bool loose_division; /* 1: division and root as on devices that cannot round them correctly; for tests */
@@ -89,7 +91,9 @@ struct cml_fate_record {
     double backing;            /* share of a packet that stayed in the backing */
     /* X, y of the scene where the packet last touched a surface from outside, cm. */
     double exit[2];
-    double direction[3]; /* opencl: of an absorbed packet the direction before its last interaction */
+    /* Direction at the end. With the engine `opencl`, an absorbed packet has the direction before its last
+     * interaction. */
+    double direction[3];
 };
 
 /* An event in a trace, with the packet after it. */
@@ -108,9 +112,9 @@ struct cml_trace_event {
 };
 typedef void cml_trace_function(void *context, const struct cml_trace_event *event);
 
-/* The source of an engine's packets, and the place where it hands in their scores. Threads of the engine call
- * the functions at any time and side by side, so each goes its own way from piece to piece, and none waits
- * for another. */
+/* The source of an engine's packets, and the receiver of their scores. The engine's threads call the
+ * functions at any time and side by side, so each goes its own way from piece to piece, and none waits for
+ * another. */
 struct cml_work {
     void *context;
     /* Finds the next piece, of at most `most` packets. If `takers` threads ask, pieces become smaller towards
@@ -140,7 +144,8 @@ struct cml_patience {
  * and with it all that this call of run has flown. To be asked every few hundred events. */
 bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience);
 
-/* Returns CML_E_STOPPED with a message: the result of an engine's `run` that gave packets up. */
+/* Fails with CML_E_STOPPED and a message. An engine's `run` returns this status if it gave packets up
+ * (cml_engine_gives_up). */
 CML_NODISCARD cml_status cml_engine_given_up(struct cml_error *err);
 
 struct cml_engine {
@@ -149,9 +154,10 @@ struct cml_engine {
     /* Opens a scene. The scene and its surfaces must outlive the engine. */
     cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        const struct cml_engine_options *options, void **self, struct cml_error *err);
-    /* Flies pieces of the work until there are no more, and hands in their tallies; at most
-     * CML_TALLY_MAX_PHOTONS packets in all. After a failure some pieces are flown and not all scores handed
-     * in, so the engine may only be closed. CML_E_STOPPED: packets were given up. */
+    /* Flies pieces of the work until there are no more, at most CML_TALLY_MAX_PHOTONS packets in all, and
+     * passes their tallies to work->add. After a failure some scores of the pieces that were flown may be
+     * missing, so the engine may only be closed. CML_E_STOPPED: packets that do not end were given up
+     * (cml_engine_gives_up). */
     cml_status (*run)(void *self, const struct cml_work *work, struct cml_error *err);
     /* Flies packet `index` alone. on_event may be NULL. */
     cml_status (*trace)(void *self, uint64_t index, cml_trace_function *on_event, void *context,

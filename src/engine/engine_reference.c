@@ -26,6 +26,8 @@ static void reference_close(void *self)
     free(engine);
 }
 
+/* Opens the engine: makes its world, its tally, its stack of branches and its rows. On failure it frees what
+ * was made, and *self is NULL. */
 static cml_status reference_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, void **self, struct cml_error *err)
 {

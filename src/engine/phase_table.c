@@ -18,8 +18,8 @@ struct source {
     bool mirrored;
 };
 
-/* Returns the share of light that is deflected by less than `deflection` (1 - cosine). For a mirrored
- * function the deflection counts from behind. */
+/* Returns the share of light that is deflected by less than `deflection` (1 - cosine). If the function is
+ * mirrored, `deflection` is measured from the backward direction (1 + cosine). */
 static double share_below(const struct source *source, double deflection)
 {
     if (!source->mirrored) return cml_phase_below(source->phase, deflection);
@@ -93,7 +93,8 @@ static cml_status grow(struct cml_phase_tables *tables, size_t *capacity, struct
     return CML_OK;
 }
 
-/* Appends the parts of a cell: chords, as functions of the y of the whole cell. */
+/* Appends the parts of a cell. Each part is a straight line between two points of the exact curve, as a
+ * function of the y of the whole cell. */
 static void add_parts(const struct source *source, int cell, double low, double high,
                       struct cml_phase_tables *tables)
 {
@@ -131,6 +132,8 @@ static cml_status fill(const char *file, const struct cml_phase *phase, struct c
     return CML_OK;
 }
 
+/* Fills the table of each phase function. The memory begins with twice the cells of all undivided tables, and
+ * grows with the parts of divided cells. */
 cml_status cml_phase_tables_create(const char *file, const struct cml_phase *phases,
                                    struct cml_phase_tables *tables, struct cml_error *err)
 {

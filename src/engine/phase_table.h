@@ -12,7 +12,8 @@ struct cml_phase_line {
     double start, slope;
 };
 
-/* Most cells of all tables together: single precision cannot count more. */
+/* Largest number of cells of all tables together. The kernels hold cell numbers in single precision, which is
+ * exact for integers up to 2^24. */
 #define CML_MOST_PHASE_CELLS (1 << 24)
 
 /* The tables of all functions. The table of index i begins at cell i CML_PHASE_CELLS. The parts of cells come

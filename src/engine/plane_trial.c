@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Any number; fixed, so that all runs of a scene have the same surfaces. */
+/* Seed of all trials. Any number would do, but it must be fixed, so that all runs of a scene have the same
+ * surfaces. */
 #define SEED UINT64_C(0x706c616e65)
 #define BATCHES 64
 #define MOST_PACKETS 1048576
@@ -16,12 +17,14 @@
 #define ALONE 16.0         /* factor by which a packet that flies alone takes longer */
 #define CELLS_AS_STEPS 0.1 /* steps per cell of a tally, which is zeroed and summed in 1 to 3 ns */
 
-/* Numbers of standard errors: SURE for the finding that a plane does no harm. SURE_OF_HARM for the finding
- * that it does, because one of some hundred bins may be off by chance. */
+/* SURE: number of standard errors added to a difference before a plane is found to do no harm.
+ * SURE_OF_HARM: number of standard errors by which a difference must exceed the tolerance before a plane
+ * is found to do harm. It is larger, because one of some hundred bins may be off by chance. */
 #define SURE 3.0
 #define SURE_OF_HARM 4.0
-/* Expected number of packets that show an effect, up to which it may have been missed. If a share p of all
- * packets shows the effect, none of n packets does with the probability exp(-n p): 0.13 % at n p = 6.6. */
+/* Largest expected number of packets that show an effect although no packet has shown it yet. If a share p
+ * of all packets shows an effect, none of n packets shows it with the probability exp(-n p). At n p = 6.6
+ * this is 0.14 %, so an effect that was not seen is smaller with 99.86 % certainty. */
 #define UNSEEN 6.6
 
 /* Neighbouring values that are judged together: a total, or the bins of a profile. */
@@ -79,7 +82,7 @@ static void list_series(const struct cml_tally_grid *grid, struct series *series
 
 /* ---- flying ---- */
 
-/* Folds what lies beyond the grid into the first and last bins, as the output does. */
+/* Adds the cells beyond the grid to the first and last bins, as the output does. */
 static void fold_profiles(struct cml_tally *tally)
 {
     const struct cml_layout at = tally->profile;
@@ -125,7 +128,9 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
 
 /* ---- judging ---- */
 
-/* Returns the light by which a series' differences are divided, units of weight. */
+/* Returns the light, in units of weight, by which the differences of a series are divided. It is the light
+ * that the series scored, but at least the least share of the launched light, so that dark series do not
+ * count too much. */
 static double light_of(const struct trial *trial, const struct series *series)
 {
     double truth = 0;
@@ -133,8 +138,9 @@ static double light_of(const struct trial *trial, const struct series *series)
     return fmax(truth, CML_TRIAL_LEAST_SHARE * (double)trial->packets / CML_WEIGHT_UNIT);
 }
 
-/* Returns the largest possible relative difference of a series. A packet that no batch has shown would move
- * from one bin of a profile to another, which counts twice, but change a total once. */
+/* Returns the upper bound on the relative difference of a series: the measured difference, three standard
+ * errors, and the weight of packets that may have been missed altogether (UNSEEN). A missed packet may
+ * move from one bin of a profile to another, which counts twice; it changes a total once. */
 static double most_of_series(const struct trial *trial, const struct series *series)
 {
     double difference = 0, squares = 0;
@@ -164,7 +170,8 @@ static void judge_series(const struct trial *trial, const struct series *series,
     verdict->what = series->name;
 }
 
-/* Judges all series by the packets flown so far. */
+/* Returns the verdict on the planes from the packets flown so far: the judgement over all totals and
+ * profiles. */
 static struct verdict judge(const struct trial *trial)
 {
     struct verdict verdict = {.most = 0};
@@ -174,8 +181,9 @@ static struct verdict judge(const struct trial *trial)
     return verdict;
 }
 
-/* Returns the packets of the next round: 64, 1984, 16 Ki - 2 Ki ..., because few packets are enough to see a
- * large difference. The last round takes the steps that are left. */
+/* Returns the number of packets of the next round. The total grows to 64, 2048, 16 Ki, 128 Ki and 1 Mi
+ * packets, because few packets are enough to see a large difference. The last round takes the steps that
+ * are left. */
 static uint64_t next_round(const struct trial *trial)
 {
     const double left = trial->most_steps - trial->steps - (trial->rounds + 1) * trial->overhead;
@@ -246,7 +254,7 @@ struct search {
     struct cml_engine_options options;
     double tolerance, most_steps; /* most steps for one boundary */
     struct cml_surface_set *curved;
-    /* Own level rings where a plane does no harm, else the surfaces of `curved`. */
+    /* Level rings, owned, where a plane does no harm; elsewhere the surfaces of `curved`, borrowed. */
     struct cml_surface_set level;
     struct verdict *verdict; /* [curved->count] */
 };
@@ -256,8 +264,8 @@ static bool is_curved(const struct cml_surface_def *def)
     return def->kind != CML_SURFACE_PLANE;
 }
 
-/* True if bodies lie in a layer beside the boundary. They stand in the frame of the boundary above their
- * layer, and a plane might cut through one. */
+/* True if bodies lie in the layer above or below the boundary. The depths of bodies are stored relative to
+ * the boundary above their layer, and a plane in place of this boundary might cut through a body. */
 static bool has_bodies_beside(const struct cml_scene *scene, int b)
 {
     return cml_layer_has_bodies(scene, b) || cml_layer_has_bodies(scene, b + 1);
@@ -285,8 +293,8 @@ static bool is_face_of_glass(const struct cml_scene *scene, int b)
            scene->beams[0].angle == 0 && scene->beams[0].light.kind == CML_LIGHT_OF_PARALLEL;
 }
 
-/* True if packets of a beam may start within the boundary's depths: a plane would leave some on another
- * side. */
+/* True if packets of a beam inside may start at a depth between the lowest and the highest point of the
+ * boundary. A plane in place of the boundary would leave some of them on the wrong side. */
 static bool starts_within(const struct cml_beam *beam, const struct cml_surface_def *def)
 {
     const double height = cml_beam_height(beam);
@@ -359,7 +367,8 @@ static void adopt(const struct search *search, int b)
 static cml_status allocate(struct search *search, struct cml_error *err)
 {
     const size_t count = (size_t)search->curved->count;
-    search->level = *search->curved; /* level surfaces begin as the curved ones, with their bodies */
+    /* Level surfaces begin as copies of the curved ones, and share their bodies. */
+    search->level = *search->curved;
     search->level.item = malloc(count * sizeof *search->level.item);
     search->verdict = calloc(count, sizeof *search->verdict);
     if (!search->level.item || !search->verdict)
@@ -386,6 +395,8 @@ static cml_status search_planes(struct search *search, struct cml_error *err)
     return status;
 }
 
+/* Sets up the search with options of its own, so that its outcome depends on the scene only and not on the
+ * run. */
 cml_status cml_make_harmless_planes(const struct cml_scene *scene, const struct cml_surface_options *options,
                                     const struct cml_engine *engine,
                                     const struct cml_engine_options *engine_options,
@@ -401,7 +412,7 @@ cml_status cml_make_harmless_planes(const struct cml_scene *scene, const struct 
     search.options.seed = SEED;
     search.options.run = 0;
     search.options.absorption = true;
-    search.options.lattice = false; /* the trial's errors take packets for independent */
+    search.options.lattice = false; /* the standard errors of a trial assume independent packets */
     search.options.roulette = (struct cml_roulette_options){0, 0};
     if (!options->may_flatten || options->force != CML_SURFACE_AUTO || scene->facets) return CML_OK;
     return search_planes(&search, err);

@@ -24,16 +24,17 @@
  * profile's average bin if that is more. A total or profile below this share counts as this share. */
 #define CML_TRIAL_LEAST_SHARE 0.01
 
-/* Turns curved boundaries into planes, from top to bottom, where a plane does no harm: the plane in which the
- * boundary goes on outside. A plane does no harm if the scene with it, and with the planes made before,
- * differs from the scene as it is by less than the tolerance in every total, profile and bin. Three standard
- * errors are added to the measured difference, and for totals and profiles the share that so few packets may
- * have missed altogether.
- * Trial packets fly until this is certain, or a larger difference is seen, or they have taken the steps of
- * about a second. In the last two cases the surface stays. `reason` of a boundary tells the outcome. Does
- * nothing unless options->may_flatten is set and force is CML_SURFACE_AUTO, nor in scenes with facets,
- * because a plane has none of the facets that the user asks for by number. engine: "cpu". After a failure the
- * set must be freed. */
+/* Turns curved boundaries into planes, from top to bottom, where a plane does no harm. The plane lies where
+ * the boundary goes on outside its mesh or profile. A plane does no harm if every total, profile and bin of
+ * the scene with this plane, and with the planes made before, differs by less than the tolerance from the
+ * scene as it is. Three standard errors are added to the measured difference, and for totals and profiles the
+ * share of light that so few packets may have missed altogether.
+ * Trial packets fly until the answer is certain: no harm, or a larger difference. They end without an
+ * answer when they have taken as many steps as fit into about a second. Unless the answer is no harm, the
+ * surface stays. `reason` of a boundary tells the outcome. The function does nothing unless
+ * options->may_flatten is set and force is CML_SURFACE_AUTO. It does nothing in scenes with facets either,
+ * because a plane has none of the facets that the user asks for by number. engine: "cpu". After a failure
+ * the set must be freed. */
 CML_NODISCARD cml_status cml_make_harmless_planes(const struct cml_scene *scene,
                                                   const struct cml_surface_options *options,
                                                   const struct cml_engine *engine,

@@ -76,16 +76,17 @@ static inline cml_u32 cml_row_hash(cml_u32 h)
 struct cml_row_packet {
     const struct cml_row_sums *sums;
     uint64_t *cells; /* sums of the packet's batch */
-    real *factor;    /* [cml_row_factors]: weight of each row as a share of the packet's, or scores */
-    real rounding;   /* added to weights before they are cut to integers, 0 to below 1 */
+    /* [cml_row_factors] weight of each row divided by the packet's weight; for scores, the score. */
+    real *factor;
+    real rounding; /* added to weights before they are cut to integers, 0 to below 1 */
 };
 
-/* Members behind the factors of all rows, which describe the packet at its last booking: its number of
- * interactions, less whole 2^24, which a float holds exactly; its optical path in the material, and outside
- * of it, cm (P11). */
+/* Numbers behind the factors of all rows, which describe the packet at its last booking: its number of
+ * interactions modulo 2^24, because a float holds integers below 2^24 exactly; its optical path in the
+ * material, and that outside of it, cm (P11). */
 enum { CML_ROW_INTERACTIONS, CML_ROW_INSIDE, CML_ROW_OUTSIDE, CML_ROW_MEMORY };
 
-/* Returns the numbers that the factors of a packet take, with the members behind them. */
+/* Returns how many numbers the factors of a packet take, with the numbers behind them (CML_ROW_MEMORY). */
 static inline size_t cml_row_factors(size_t rows)
 {
     return rows + CML_ROW_MEMORY;
@@ -147,9 +148,9 @@ static inline cml_u32 cml_row_weight(real unit, real factor, real rounding)
     return (cml_u32)(int)CML_FMA(unit, factor, rounding);
 }
 
-/* Returns a row's contribution to a sum. A score times the weight is in units of 2^-20 of a packet, so that
- * 2^43 interactions fit into a tally. It is rounded at random like a weight, but down, because it may be
- * negative. */
+/* Returns a row's contribution to a sum, in whole units. A weight is rounded at random, by `rounding`. A
+ * score times the weight is in units of 2^-20 of a packet, so that the contributions of 2^43 interactions fit
+ * into a tally; it is rounded in the same way, but towards minus infinity, because it may be negative. */
 CML_ROWS_INLINE uint64_t cml_row_part(int scores, real unit, real factor, real rounding)
 {
     return scores ? (uint64_t)(int64_t)CML_FLOOR(CML_FMA(unit * (real)0x1p-10, factor, rounding))
@@ -170,7 +171,7 @@ static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w,
     memory[CML_ROW_INSIDE] = path > 0 ? path : (real)0;
 }
 
-/* cml_rows_fly for scores: adds to each score the effect of a flight of length t (cm). */
+/* Adds to each score the effect of a flight of length t (cm). It is cml_rows_fly for rows that are scores. */
 static inline void cml_scores_fly(const struct cml_world *world, const struct cml_row_packet *rows,
                                   int medium, real t, cml_u32 interactions, cml_u32 before, cml_u32 left)
 {
@@ -217,10 +218,11 @@ CML_ROWS_INLINE void cml_rows_absorb_as(int timed, const struct cml_world *world
     }
 }
 
-/* cml_rows_absorb_as gate by gate, over the optical path `path`. The packet's own loss since its last booking
- * belongs to the gate of that booking, because a packet is booked at its first interaction in any other gate.
- * Rows lose weight all along the path. Where gates cut the path is known to the rounding of times; the length
- * of the path is not changed. */
+/* Books a loss by absorption in all rows (cml_rows_absorb_as), divided among the gates that the optical
+ * path `path` crosses. The packet's own loss since its last booking goes to the gate of that booking,
+ * because a packet is booked at its first interaction in any other gate. Rows lose weight all along the
+ * path. The places where gates cut the path have the rounding of times; the length of the path is not
+ * changed. */
 static inline void cml_rows_absorb_by_time(const struct cml_world *world, const struct cml_row_packet *rows,
                                            int medium, real path, cml_u32 before, cml_u32 left)
 {
@@ -275,7 +277,7 @@ static inline int cml_rows_have_returned(const struct cml_world *world, const st
            rows->factor[rows->sums->count + CML_ROW_OUTSIDE] != cml_rows_outside(world, trail);
 }
 
-/* Notes, after cml_rows_fly, that the time outside has passed. */
+/* Records the optical path outside the material as booked. Call it after cml_rows_fly. */
 static inline void cml_rows_pass_time(const struct cml_world *world, const struct cml_row_packet *rows,
                                       const struct cml_trail *trail)
 {
@@ -320,7 +322,8 @@ static inline struct cml_row_place cml_rows_sampled_at(const struct cml_world *w
     };
 }
 
-/* Fetches bins into the cache that will be needed soon: grids of all rows are larger than caches. */
+/* Fetches the bins that will be needed soon into the cache, because grids of all rows are larger than
+ * caches. */
 static inline void cml_rows_expect(const struct cml_row_packet *rows, struct cml_row_place at)
 {
     for (int i = 0; i < rows->sums->count; i += 8) { /* one step for each cache line of 64 bytes */
@@ -515,9 +518,10 @@ static inline void cml_rows_detect(const struct cml_world *world, const struct c
     }
 }
 
-/* Adds the light to the bin of its direction, for each row. If errors come of groups, each group has bins of
- * its own, once.step apart. If not (step 0), squares of weights are summed once.squares bins behind. Rows
- * count in 2^-30 packets and squares in 2^-31, hence 2 * part. */
+/* Adds the light to the bin of its direction, for each row. If standard errors come from groups, each
+ * group has bins of its own, once.step bins apart. If once.step is 0, all groups share the bins, and
+ * squares of weights are summed once.squares bins behind. Rows count in 2^-30 packets and squares in
+ * 2^-31, hence 2 * part. */
 static inline void cml_rows_direct(const struct cml_setup *setup, const struct cml_row_light *of)
 {
     const struct cml_row_packet *rows = of->rows;

@@ -10,7 +10,7 @@
 #include "engine/terminated_packets_inl.h"
 #include "walk.h"
 
-/* Steps between two looks at whether to give up. */
+/* Number of steps of a thread between two calls of cml_engine_gives_up. */
 #define CML_STEPS_PER_LOOK 256
 
 /* Begins the trail of a packet that has been launched (P13). */
@@ -38,8 +38,9 @@ static inline void rows_begin(const struct cml_world *world, struct row_walk *ro
     const struct cml_row_packet its =
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
     cml_rows_launch(&its, packet->w, 1, packet->path);
-    /* The layers above the start absorb in no row. A path below 0 means that the clock of the trail has not
-     * started. */
+    /* A path above 0 is that through the layers above the start. It is set to 0, because these layers
+     * absorb in no row. A path below 0 means that the clock of the trail has not started; it stays if the
+     * packet has a trail. */
     if (packet->path > 0 || !packet->trail.stay) packet->path = 0;
     rows->medium = packet->medium;
     rows->w = rows->now = packet->w;
@@ -187,7 +188,7 @@ struct tracing {
     cml_u32 rough_draws; /* the packet's rough_draws at its last event */
 };
 
-/* Hands an event of kernels/walk.h to the listener, in the coordinates of the scene. */
+/* Passes an event of kernels/walk.h on to the listener, in the coordinates of the scene. */
 static void forward_event(void *context, const char *what, const struct cml_packet *packet)
 {
     struct tracing *tracing = context;

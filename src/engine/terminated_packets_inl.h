@@ -20,7 +20,8 @@
 #include <math.h>
 
 #define CML_TERMINATED 128
-/* Most packets that may be added at once: the collection is flushed while it still has room for so many. */
+/* Largest number of packets that are added in one go. The collection is flushed as soon as it has no room
+ * for this many more. */
 #define CML_TERMINATED_TOGETHER 16
 
 /* The collection, a structure of arrays. Entries from `count` on hold any values, but loops over all entries
@@ -29,7 +30,8 @@ struct cml_terminated {
     int count;
     int branches; /* entries that are branches, which were not launched (P19) */
     uint64_t absorbed[CML_TERMINATED];
-    /* Weight absorbed as well, in the layer that the packet left, and not booked there yet. */
+    /* Further absorbed weight, from the layer that the packet left last, which is not added to the layer's
+     * sums yet. */
     cml_u32 deposit[CML_TERMINATED];
     real exit_x[CML_TERMINATED], exit_y[CML_TERMINATED], uz[CML_TERMINATED];
     /* Direction of the exit, if directions (P7) or detectors (P13) are wanted. */
@@ -228,7 +230,8 @@ struct cml_termination {
     struct cml_trail trail;
 };
 
-/* Adds entry i, which has been reflected or transmitted, to its pixel of the map. */
+/* Adds the weight of entry i to its pixel of the map Rd_xya or Tt_xya. The entry must have been reflected
+ * or transmitted. */
 static inline void cml_tally_pixel(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                    int i, const struct cml_exit *exit, const struct cml_tally *tally)
 {
@@ -329,7 +332,7 @@ static inline void cml_save_packet(const struct cml_world *world, const struct c
     row->optical = (float)cml_trail_path(world, trail);
 }
 
-/* Ends the rows of entry i of the collection with it, whatever its end (P16). A function of its own, not
+/* Books the end of entry i of the collection in all rows (P16), whatever its end. The function is not
  * inlined, because few flights have rows. */
 __attribute__((noinline)) static void
 cml_tally_rows(const struct cml_world *world, const struct cml_terminated *terminated, int i,
@@ -366,8 +369,8 @@ static inline void cml_tally_places(const struct cml_world *world, struct cml_te
     if (tally->facets) cml_tally_escape(setup, terminated, i, &exit, primitive, tally);
 }
 
-/* True if maps, facets, directions, detectors or rows are scored, or packets saved: then every packet must be
- * looked at by itself. */
+/* True if every packet that ends must be looked at by itself, because maps, facets, directions, detectors
+ * or rows are scored, or packets are saved. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
     return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detector || tally->saved || tally->rows;
@@ -425,8 +428,8 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }
 
-/* Moves three counts from `branches` to the tally: packets that stayed whole, packets split into fewer parts
- * than wanted, and packets without branches left. branches: may be NULL. */
+/* Moves three counts from `branches` to the tally: packets that stayed whole, packets split into fewer
+ * parts than wanted, and packets whose budget of branches was spent. branches: may be NULL. */
 static inline void cml_tally_unsplit(struct cml_branches *branches, struct cml_tally *tally)
 {
     if (!branches) return;

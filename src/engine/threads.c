@@ -27,8 +27,9 @@ static void *begin(void *thread)
     return NULL;
 }
 
-/* Returns the place of OpenMP for a thread (OpenMP 5.2, 10.1.3): beside that of the caller, or as far apart
- * as possible. More threads than places share them evenly. */
+/* Returns the place of OpenMP (a set of cores; OpenMP 5.2, 10.1.3) for a thread: beside that of the
+ * caller, or as far apart from the other threads as possible. If there are more threads than places, they
+ * share the places evenly. */
 static int place_of(int number, int count)
 {
     const omp_proc_bind_t bind = omp_get_proc_bind();

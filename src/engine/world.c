@@ -31,7 +31,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     cml_arrays_free(&to->arrays);
     free(to->detector_start);
     free(to->detector_list);
-    *to = (struct cml_owned_world){0}; /* a caller that opened the engine around it may free it again */
+    *to = (struct cml_owned_world){0}; /* zeroed, so that a caller that frees the world again does no harm */
 }
 
 /* Allocates the arrays whose sizes are known from the surfaces. */
@@ -50,9 +50,9 @@ static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_ow
     return cml_arrays_check(&to->arrays, "the scene", err);
 }
 
-/* Returns an upper bound of the bytes of all phase tables. Cells are made in double precision. Only then it
- * is known how many have parts: all cells of a user's table may; of the other functions up to 130 cells
- * did. */
+/* Returns an upper bound of the bytes of all phase tables, in double precision and in that of the kernels.
+ * The number of cells with parts is known only when a table has been made. In a user's table all cells may
+ * have parts; in those of other functions at most 130 cells had, so 150 are assumed. */
 static double phase_bytes(const struct cml_scene *scene)
 {
     double cells = 0;
@@ -227,8 +227,9 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
     to->world.horizon_above = to->horizons + to->horizon_cells;
 }
 
-/* Copies the safe distances of meshes that overhang. Their margin also holds for packets beside the cells, as
- * far as a safe distance reaches. samples/manual/physics/free-paths.md derives both terms. */
+/* Copies the safe distances of meshes that overhang. The margin covers rounding, also for packets that are
+ * outside the grid of cells by up to a safe distance. samples/manual/physics/free-paths.md derives both terms
+ * of the margin. */
 static void copy_safe_cells(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const double origin[3] = {from->origin.at[0], from->origin.at[1], 0};
@@ -369,8 +370,8 @@ static cml_status set_windows(const struct cml_scene *scene, const double origin
     return CML_OK;
 }
 
-/* Fills the backing. It keeps 1 - R of a weight, exact to the last bit at both ends: all of the weight, or
- * nothing. */
+/* Fills the backing. It keeps the share 1 - R of a weight. For R = 0 it keeps all of the weight, and for R
+ * = 1 nothing, both exact to the last bit. */
 static void set_backing(const struct cml_scene *scene, struct cml_backing *backing)
 {
     const struct cml_backing_def *def = &scene->backing;
@@ -391,8 +392,8 @@ static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *o
     return options->below > 0 ? given : mcml;
 }
 
-/* Fills all that is the same for every packet. Bin widths become their reciprocals, so that a bin is found by
- * a product. */
+/* Fills the setup: everything that does not depend on the packet. Bin widths become their reciprocals, so
+ * that a bin is found by a multiplication. */
 static void set_up(const struct cml_scene *scene, const double origin[2],
                    const struct cml_engine_options *options, struct cml_setup *setup)
 {
@@ -471,6 +472,8 @@ static cml_status make_scores(const struct cml_scene *scene, const struct cml_ta
     return CML_OK;
 }
 
+/* Makes the parts of the world in turn. Sources come after all surfaces, because the walk's own functions
+ * find the medium in which a source lies. */
 cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                   const struct cml_engine_options *options, struct cml_owned_world *to,
                                   struct cml_error *err)
@@ -509,6 +512,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     return status;
 }
 
+/* Makes a world only if a beam starts inside, because all other beams start in medium 0. */
 cml_status cml_source_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                             int **medium, struct cml_error *err)
 {

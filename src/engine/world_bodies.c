@@ -38,9 +38,9 @@ static void copy_medium(const struct cml_scene *scene, int k, struct cml_owned_w
     medium->bins = layer->bins;
 }
 
-/* Fills surface L + 1 + k of body k, with its host above and its own medium, L + 2 + k, below. Its paths are
- * not bounded as those at boundaries of layers are, because the grids of bodies tell if a step can meet
- * it. */
+/* Fills surface L + 1 + k of body k. Above it lies the body's host, below it the body's own medium, L + 2
+ * + k. The slope is set to infinity, so that paths are not bounded by it as at boundaries of layers; the
+ * grids of bodies tell if a path can meet the body. */
 static void copy_body(const struct cml_scene *scene, const double origin[2],
                       const struct cml_body_surface *from, int k, struct cml_owned_world *to)
 {
@@ -117,6 +117,7 @@ static void copy_grids(const struct cml_scene *scene, const double origin[2],
     }
 }
 
+/* Fills the media and surfaces of the bodies, the tree and the grids, by which the walk finds bodies. */
 cml_status cml_copy_bodies(const struct cml_scene *scene, const struct cml_surface_set *set,
                            struct cml_owned_world *to, struct cml_error *err)
 {

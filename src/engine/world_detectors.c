@@ -54,12 +54,14 @@ static struct rectangle rectangle_around(const struct cml_detector_def *def)
     return (struct rectangle){{def->x - w, def->y - h}, {def->x + w, def->y + h}};
 }
 
-/* Detectors of one level, place[count], and a grid of n by n cells over the rectangle around all of them. */
+/* The side and depth of a detector, by which detectors are sorted into levels. */
 struct place {
     bool below;
     double z;
     int number; /* number of the detector */
 };
+/* The detectors at one side and depth, place[count], and a grid of n by n cells over the rectangle around
+ * all of them. */
 struct level {
     const struct cml_scene *scene;
     const struct place *place;
@@ -160,8 +162,8 @@ static cml_status make_room(struct detection *d, int starts, int entries, struct
     return cml_fail_memory(err, (double)(all_starts + all_entries) * sizeof *list, "detectors");
 }
 
-/* Chooses a grid so fine that few detectors lie in a cell, or one cell if all detectors lie over each other.
- * *count: [n * n] detectors that reach into each cell; the caller frees it. */
+/* Chooses a grid so fine that few detectors lie in a cell, or a grid of one cell if all detectors overlap.
+ * *count: [n * n] number of detectors that reach into each cell; the caller frees it. */
 static cml_status choose_cells(struct level *level, int **count, double *entries, struct cml_error *err)
 {
     const double most = 16.0 * level->count;
@@ -222,7 +224,8 @@ static int compare_places(const void *a, const void *b)
     return (one->number > other->number) - (one->number < other->number);
 }
 
-/* Adds all levels: runs of detectors with the same side and level. */
+/* Adds all levels. A level is a run of detectors with the same side and depth, because place[] is sorted
+ * by both. */
 static cml_status add_levels(const struct cml_scene *scene, const double origin[2], const struct place *place,
                              struct detection *d, int *num_levels, struct cml_error *err)
 {
@@ -269,6 +272,8 @@ static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_win
     return arc;
 }
 
+/* Fills the detectors in the order of the scene, and sorts their places into levels, each with a grid of
+ * cells. */
 cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                              const struct cml_window_table *windows, struct cml_owned_world *to,
                              struct cml_error *err)

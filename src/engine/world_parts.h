@@ -1,5 +1,5 @@
-/* Functions that the files share which make a world: world.c, world_bodies.c, world_detectors.c and
- * world_sources.c. Private to them.
+/* Functions that the files that make a world share: world.c, world_bodies.c, world_detectors.c and
+ * world_sources.c. Nothing else includes this file.
  * SPDX-License-Identifier: MIT */
 #pragma once
 

@@ -203,10 +203,10 @@ static int medium_beside(const struct cml_world *world, const struct cml_beam *b
     return cml_medium_at(world, medium, &at);
 }
 
-/* Returns the least allowed distance (cm) of a start from a surface. A mesh takes half of the first term for
- * contact (err_position of surface/tree/rounding.h). The second term covers the rounding of a place whose
- * numbers are nearly 0. Both are those of single precision in both precisions, so that all engines refuse the
- * same beams. */
+/* Returns the least allowed distance (cm) of a start from a surface. The first term is twice the distance
+ * at which a mesh takes a packet to be on a facet (err_position of surface/tree/rounding.h). The second
+ * term covers the rounding of a place whose numbers are nearly 0. Both terms are those of single
+ * precision, also in the engine in double precision, so that all engines refuse the same beams. */
 static double least_gap(const struct cml_scene *scene, const struct cml_world *world,
                         const struct cml_beam *beam)
 {
@@ -235,8 +235,9 @@ static cml_status check_place(const struct cml_scene *scene, const struct cml_wo
     return CML_OK;
 }
 
-/* Refuses light that starts below a backing, or beside the heights of its boundary if the shape is slanted.
- * Bodies lie in layers, so a start in a body is above the backing. */
+/* Refuses light that starts below a backing. If the shape of the beam has a height, all of the shape must
+ * lie above the highest point of the boundary with the backing. Bodies lie in layers, so a start in a body
+ * is above the backing. */
 static cml_status check_backing(const struct cml_scene *scene, const struct cml_world *world,
                                 const struct cml_beam *beam, int medium, struct cml_error *err)
 {
@@ -277,8 +278,9 @@ static void find_levels(const struct cml_scene *scene, const struct cml_surface_
     level[1] = fmax(bottom->depth + 2 * bottom->highest - bottom->lowest, fmax(first, 0) + bins);
 }
 
-/* Returns the distance (cm) from the middle of a shape along the axis to the level; 0 if the shape does not
- * start beyond it, or the axis does not lead to it. */
+/* Returns the distance (cm) along the axis from the middle of a beam's shape to the level where the scene
+ * begins for it: level[0] if the shape lies above this depth and heads down, level[1] if it lies below
+ * that depth and heads up; else 0. */
 static double way_to_level(const struct cml_beam *beam, const double level[2])
 {
     const double height = cml_beam_height(beam), down = cml_beam_descent(beam);
@@ -315,7 +317,8 @@ static cml_status place_far(const struct cml_scene *scene, const struct cml_beam
 }
 
 /* Refuses light that may fly so far in one go that single precision tells shapes, bodies and detectors too
- * coarsely where it arrives. Few packets fly 20 free paths. */
+ * coarsely where it arrives. Light that has more than 20 free paths to fly is not refused, because few
+ * packets fly that far in one go. */
 static cml_status check_flight(const struct cml_scene *scene, const struct cml_beam *beam,
                                const struct cml_origin *origin, double distance, double mut,
                                struct cml_error *err)
@@ -431,6 +434,8 @@ int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam
     return beam->inside ? medium_beside(world, beam, none) : 0;
 }
 
+/* Fills one source per beam: its shape, the directions of its light, its axis, and the place and medium where
+ * its packets start. */
 cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                            const struct cml_surface_set *start_as, struct cml_owned_world *to,
                            struct cml_error *err)

@@ -86,8 +86,8 @@ static bool has_field(const struct fields *f, const char *name)
     return false;
 }
 
-/* The attributes contain no times, and nothing about how the program was called, so that equal runs give
- * equal bytes. */
+/* Fills the attributes of an .h5, and returns their number. The attributes contain no times, and nothing
+ * about how the program was called, so that equal runs give equal bytes. */
 int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *more,
                       struct cml_attribute *attributes)
 {

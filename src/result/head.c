@@ -17,9 +17,10 @@
 struct reader {
     struct cml_text text;
     struct cml_head *head;
-    double expected, numbers; /* numbers in MCML's sections: expected, and found */
-    int keys;                 /* number of section names until now */
-    bool classic;             /* the file is from --classic: it ends behind MCML's sections, without a mark */
+    /* Numbers in MCML's sections: `expected` by the sizes in the head, and `numbers` that were found. */
+    double expected, numbers;
+    int keys;     /* number of section names until now */
+    bool classic; /* the file is from --classic: it ends behind MCML's sections, without a mark */
 };
 
 /* Returns the next line that is not just a comment; NULL at the end. */
@@ -52,8 +53,8 @@ static bool is_next_key(struct reader *r, const char *word)
     return strcmp(word, i == 0 ? "RAT" : cml_quantities[cml_mco_sections[i - 1].quantity].name) == 0;
 }
 
-/* Cuts off a comment, which begins at the start of a word. Returns false if the comment begins like a number,
- * as none that this program writes does. */
+/* Cuts off a comment, which begins at the start of a word. Returns false if the comment begins like a number:
+ * this program writes no such comment, so the file is damaged. */
 static bool cut_comment(char *line)
 {
     char *mark = strchr(line, '#');

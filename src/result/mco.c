@@ -31,7 +31,8 @@ const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS] = {
     {CML_QUANTITY_Tt_ra, GRID_COMMENT("Tt", "[r][angle]. [1/(cm2sr)].", "na"), ""},
 };
 
-/* Hours are computed from the seconds as printed, so that a reader of the file can compute them, too. */
+/* Writes the first lines, up to the time of the run. The hours are computed from the seconds as printed,
+ * so that a reader of the file gets the same. */
 static void write_head(FILE *out, const struct cml_outcome *o)
 {
     const double seconds = rint(o->user_time);
@@ -97,8 +98,9 @@ static int columns_of(const struct cml_outcome *o, const struct cml_mco_section 
     return cml_outcome_bins(o, cml_quantities[section->quantity].axis[1]);
 }
 
-/* Line ends of a grid are counted over the whole block. If the last line is full, an empty line follows the
- * block, else not. */
+/* Writes a section: its key, then its numbers. A profile has one number per line. A grid has PER_LINE numbers
+ * per line, counted over the whole grid and not by row. As in MCML, an empty line follows a grid only if its
+ * last line is full. */
 static void write_section(FILE *out, const struct cml_outcome *o, const struct cml_mco_section *section)
 {
     const double *values = o->value[section->quantity];
@@ -117,7 +119,8 @@ static void write_section(FILE *out, const struct cml_outcome *o, const struct c
 
 /* ---- this program's part ---- */
 
-/* Writes the comments about the program and the scene, and the section `lattice`. */
+/* Writes comments on the program and the scene, and the section `lattice`, which says how packets were
+ * sampled. */
 static void write_comments(FILE *out, const struct cml_outcome *o)
 {
     fprintf(out, "\n# clustermcml %s\n", o->program);
@@ -129,7 +132,8 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     cml_text_print(out, "# ", o->shapes);
     if (o->beside) fputs(CML_MCO_BESIDE "\n", out);
     const double sampling = o->provenance.value[CML_DECIDES_sampling];
-    if (isnan(sampling)) return; /* the file that was read does not say how it was sampled */
+    /* NaN: the file that was read does not say how its packets were sampled, so `lattice` is left out. */
+    if (isnan(sampling)) return;
     fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",
             sampling > 0);
 }
@@ -176,7 +180,8 @@ static void write_balance(FILE *out, const struct cml_outcome *o)
     for (int i = 0; i < o->lost.count; i++) fprintf(out, "%" PRIu64 "\n", o->lost.index[i]);
 }
 
-/* Errors of single prints stay with the stream; cml_file_commit checks them. */
+/* Writes the file section by section. Errors of single prints stay with the stream, where cml_file_commit
+ * finds them. */
 cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct cml_error *err)
 {
     struct cml_file file;

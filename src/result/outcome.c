@@ -13,6 +13,7 @@
 
 /* ---- sizes ---- */
 
+/* Looks up the number of bins by the kind of the axis. */
 int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
 {
     const int bins[CML_NUM_AXES] = {[CML_AXIS_layer] = o->num_layers,
@@ -131,7 +132,8 @@ static void free_arrays(struct cml_outcome *o)
     }
 }
 
-/* Counts in double, because the product of large sizes may overflow any integer. */
+/* Returns how many numbers the arrays of an original .mco contain. It counts in double, because the
+ * product of large sizes may overflow any integer. */
 static double numbers_of(const struct cml_outcome *o)
 {
     const double nz = o->nz, nr = o->nr, na = o->na;
@@ -167,8 +169,9 @@ double *cml_outcome_layer(const struct cml_outcome *o, int layer, int number)
 
 /* ---- from sums ---- */
 
-/* Divides a sum by photons and measure. The order of the operations is part of the results, because .h5 files
- * hold every bit of the quotients. Quantities over depth are divided by their measure last. */
+/* Returns a sum divided by photons and by the measure of the bin. Rounding depends on the order of the two
+ * divisions, and .h5 files hold every bit of the quotients, so the order must not change. Quantities over
+ * depth are divided by their measure last. */
 static double density(const struct cml_outcome *o, enum cml_quantity quantity, double measure, double sum)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;

@@ -31,7 +31,7 @@ void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance)
         fprintf(out, "%s %.17g\n", cml_options_of_bits[i].name, provenance->value[i]);
 }
 
-/* Prints a form with its value. A form contains at most one number, at its end. */
+/* Prints a form: its words, and behind them the value if the form ends in %g or %.0f. */
 static void print_form(FILE *out, const char *form, double value)
 {
     const size_t words = strcspn(form, "%");

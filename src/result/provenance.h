@@ -12,10 +12,12 @@ enum { CML_AS_WORD = 8 };
 enum { CML_IDENTITY_SUM = 17 };
 
 /* clang-format off */
-/* Columns: name; value, a number, as run/identity.c finds it among setup, options, surface and flat; where
- * the option is written besides the identity (CML_IN_H5 and CML_IN_JSON under its name, with CML_AS_WORD as
- * the word in the head of an .mco); and its form in the head of an .mco: the text before it, the text for the
- * value 0, and the text for other values (NULL: not written; an empty text: nothing at all). */
+/* Columns: the option's name; its value as a number, an expression in the variables setup, options, surface
+ * and flat of run/identity.c; and the files besides the identity that have the option under its name
+ * (CML_IN_H5, CML_IN_JSON; with CML_AS_WORD they have the word from the head of an .mco in place of the
+ * number). The last three columns are texts for the head of an .mco: the text before the value, the text
+ * for the value 0, and the text for other values. With NULL as the text before it, the option is not in the
+ * head; an empty text for a value leaves that value out. */
 #define CML_OPTIONS_OF_BITS(D)                                                                                       \
     D(seed, options->seed, CML_IN_H5 | CML_IN_JSON, ", seed ", "%.0f", "%.0f")                                 \
     D(run, options->run + 1, CML_IN_H5, ", run ", "%.0f", "%.0f")                                              \

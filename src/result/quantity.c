@@ -54,6 +54,7 @@ static bool ends_in(const char *name, const char *ending)
     return length >= size && strcmp(name + length - size, ending) == 0;
 }
 
+/* Tries the endings of all quantities of detectors first, then those of additional fields. */
 const char *cml_quantity_ending(const char *name)
 {
     /* Endings of fields: gates, errors, axes of pixels, pixels outside. */

@@ -53,6 +53,7 @@ static size_t pixels_of(const struct cml_tally_grid *grid)
     return (size_t)grid->nx * (size_t)grid->ny;
 }
 
+/* Looks up the number of bins of each axis. An axis that the grid does not have gets no bins. */
 struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell_axis axis,
                                 enum cml_holder holder)
 {
@@ -109,8 +110,8 @@ static bool exists(const struct cml_tally_grid *grid, enum cml_array_when when, 
     return false;
 }
 
-/* Returns the number of cells of one array in one part. Scores of derivatives have no grids except
- * absorption. */
+/* Returns the number of cells of one array in one part; 0 if the array does not exist. Among the grids of
+ * scores of derivatives only those of absorption exist. */
 static size_t size_of(const struct cml_tally_grid *grid, const struct cml_array_info *info,
                       enum cml_holder holder)
 {
@@ -134,7 +135,8 @@ static bool is_by_group(const struct cml_tally_grid *grid, const struct cml_arra
     }
 }
 
-/* Returns the number of parts in which a holder keeps an array. */
+/* Returns the number of parts in which a holder keeps an array: copies by group or batch, or 2 for sums
+ * and sums of squares. */
 static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array_info *info,
                        enum cml_holder holder)
 {
@@ -151,7 +153,8 @@ static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array
 
 /* clang-format on */
 
-/* Returns the number of arrays, from this one on, that are stored interleaved by group. */
+/* Returns the number of arrays, from this one on, that are stored together: one part of each array in
+ * turn. */
 static int num_together(const struct cml_array_order *order, int first)
 {
     const struct cml_array_info *info = &cml_arrays[order->array[first]];
@@ -162,6 +165,8 @@ static int num_together(const struct cml_array_order *order, int first)
     return n;
 }
 
+/* Places the arrays one behind the other in the holder's order. Arrays that are stored together
+ * (num_together) alternate: one part of each, then the next part of each. */
 struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder)
 {
     const struct cml_array_order order = cml_order_of(holder);

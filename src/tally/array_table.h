@@ -1,5 +1,5 @@
-/* The table of arrays: one row for every array of sums. Sizes and places follow from it in four kinds of
- * holders:
+/* The table of arrays: one row for every array of sums. A holder is a block of cells that contains a set of
+ * the arrays (enum cml_holder). The table gives the size and the place of each array in each kind of holder:
  *
  *     tally of a thread  -->  profiles of a batch, added to  -->  result of a run
  *     rows of a sweep, or scores of derivatives (row_cells.h)
@@ -51,7 +51,7 @@ enum cml_spread {
     CML_KEPT_AS_BATCHES /* one copy per batch, in a tally as well */
 };
 
-/* The condition under which an array exists, apart from all its axes having bins. */
+/* Conditions of arrays. An array exists if its condition holds and all its axes have bins. */
 enum cml_array_when {
     CML_IF_ANY,
     CML_IF_GATES,
@@ -178,7 +178,7 @@ struct cml_array_info {
 };
 extern const struct cml_array_info cml_arrays[CML_NUM_ARRAYS];
 
-/* The holders of arrays. */
+/* The holders: blocks of cells that contain a set of arrays. */
 enum cml_holder {
     CML_OF_TALLY,
     CML_OF_RESULT,
@@ -208,7 +208,7 @@ struct cml_layout {
     };
     size_t size[CML_NUM_ARRAYS];          /* cells of one array in one part; 0: the array does not exist */
     size_t parts[CML_NUM_ARRAYS];         /* number of parts: groups, batches, or 2 for sums and squares */
-    struct cml_once once[CML_NUM_ARRAYS]; /* distances in cells between parts */
+    struct cml_once once[CML_NUM_ARRAYS]; /* distances between the parts of an array, in cells (balance.h) */
     size_t cells;                         /* number of cells of all arrays */
 };
 /* Returns the places of all arrays of a holder. */

@@ -19,6 +19,8 @@ static int compare_remainders(const void *a, const void *b)
     return (x->beam > y->beam) - (x->beam < y->beam);
 }
 
+/* Gives each beam the whole part of its quota, and then one photon each to the beams with the largest
+ * remainders, until all photons are dealt out. */
 cml_status cml_deal_numbers(const double *share, int count, uint64_t photons, uint64_t *number,
                             struct cml_error *err)
 {
@@ -78,6 +80,7 @@ static uint64_t of_beam(const uint64_t *sums, int k, uint64_t batch)
     return in_batch(sums[k + 1], batch) - in_batch(sums[k], batch);
 }
 
+/* Computes the running sums of photons over the beams at the beginning and at the end of the round. */
 cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end, struct cml_error *err)
 {
     deal->begin = begin;
@@ -103,6 +106,9 @@ bool cml_deal_has(const struct cml_deal *deal, uint64_t photon)
            own / CML_NUM_BATCHES < of_beam(deal->after, (int)beam, own % CML_NUM_BATCHES);
 }
 
+/* Finds the beam by counting through the beams' new photons in the batch of this turn. A piece ends where the
+ * beam's photons in the batch end, or before the next multiple of 2^32 points, where the lattice gets new
+ * shifts (`sheet`: one such range of points). */
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn)
 {
     const struct cml_piece all = cml_piece_at(deal->begin, deal->end, turn);

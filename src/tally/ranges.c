@@ -5,7 +5,8 @@
 
 #include <stdlib.h>
 
-/* Neighbouring ranges are not joined: ranks return few ranges, and taking turns needs no order. */
+/* Appends the range. Neighbouring ranges are not joined, because ranks return few ranges, and taking turns
+ * needs no order. */
 cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range, struct cml_error *err)
 {
     if (range.count == 0) return CML_OK;
@@ -31,6 +32,7 @@ static cml_status add_between(struct cml_ranges *ranges, struct cml_range range,
     return from < to ? cml_ranges_add(ranges, (struct cml_range){from, to - from}, err) : CML_OK;
 }
 
+/* Cuts each range into its parts before, within and behind `mine`. */
 cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine, struct cml_ranges *others,
                            struct cml_error *err)
 {

@@ -11,7 +11,8 @@ double cml_result_bytes(const struct cml_tally_grid *grid)
            cml_saved_bytes(&grid->saved);
 }
 
-/* Allocates all arrays in one block, so that a checkpoint or a sum over ranks is one loop over cells. */
+/* Makes a result of zeros. All arrays lie in one block, so that a checkpoint or a sum over ranks is one
+ * loop over cells. */
 cml_status cml_result_create(const struct cml_tally_grid *grid, uint64_t photons, struct cml_result *result,
                              struct cml_error *err)
 {
@@ -64,7 +65,8 @@ static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_
 
 /* Adds the cells of an array row by row. Rows have no extra cell before the first bin, and rows and columns
  * have at most one behind the last. The only axis of a 1D array is that of columns. Arrays over radius alone
- * are margins of grids, whose cells beyond the bins count in the balance already. */
+ * are margins of grids. The grids' cells beyond the bins already count in the balance, so those of margins do
+ * not. */
 void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
                           const struct cml_cell_source *from)
 {
@@ -146,8 +148,8 @@ void cml_result_add_batch(struct cml_result *result, int batch, const struct cml
         add_to_batch(result, late->batch[row], tally, late->rows + (size_t)row * tally->profile.cells);
 }
 
-/* Adds fluence without its cells beyond the grid. Only cells beyond the last radius count, for phi_z. Most
- * cells are 0, because few batches are flown in one range. */
+/* Adds fluence without its cells beyond the grid, except that cells beyond the last radius count for
+ * phi_z. Most cells are 0, because few batches are flown in one range. */
 static void add_fluence(struct cml_result *result, const uint64_t *phi)
 {
     const size_t nr = (size_t)result->grid.nr, nz = (size_t)result->grid.nz;
@@ -162,8 +164,8 @@ static void add_fluence(struct cml_result *result, const uint64_t *phi)
     }
 }
 
-/* Adds cells of a large map, or of rows. In one range few of them are hit, and testing for 0 is cheaper than
- * adding to 128 bits. Rows that are scores may be negative. */
+/* Adds cells of rows, in which scores may be negative: the sign of the 64-bit cell is extended to 128
+ * bits. In one range few cells are hit, and testing for 0 is cheaper than adding to 128 bits. */
 static void add_rows(cml_u128 *to, const uint64_t *from, size_t cells)
 {
     for (size_t i = 0; i < cells; i++) {
@@ -172,6 +174,7 @@ static void add_rows(cml_u128 *to, const uint64_t *from, size_t cells)
     }
 }
 
+/* Adds cells of large maps, in which few cells are hit, too. */
 static void add_sparse(cml_u128 *to, const uint64_t *from, size_t cells)
 {
     for (size_t i = 0; i < cells; i++)
@@ -213,7 +216,8 @@ void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from)
     cml_lost_list_merge(&to->lost, &from->lost);
 }
 
-/* Returns the number of photons in one of `groups` groups, of `photons` dealt out in turn. */
+/* Returns the number of photons in group number `group`, if `photons` are dealt out in turn to `groups`
+ * groups. */
 static uint64_t group_size(uint64_t photons, int groups, int group)
 {
     return photons / (uint64_t)groups + ((uint64_t)group < photons % (uint64_t)groups);
@@ -252,8 +256,9 @@ static double facet_imbalance(const struct cml_result *result)
     return difference(in, out);
 }
 
-/* Returns the sum of an array's cells, over all groups or batches, minus its term of the balance; 0 if it has
- * no term. Squares are not weights, and rows have only samples of A_rz (row_depths). */
+/* Returns the sum of an array's cells, over all groups or batches, minus its term of the balance. Sums of
+ * squares are left out, because they are not weights. Returns 0 if the array has no term, and for A_rz of
+ * rows, which is only an estimate from samples (row_depths). */
 static double array_imbalance(const struct cml_result *result, enum cml_array array)
 {
     const struct cml_layout *layout = &result->layout;
@@ -429,7 +434,8 @@ double cml_result_once_error(const struct cml_result *result, const cml_u128 *ce
     return cml_result_cell_error(result, group, 1);
 }
 
-/* The causes of loss are neighbours in enum cml_count. */
+/* Returns the number of lost packets: the sum over all causes of loss, which are neighbours in enum
+ * cml_count. */
 uint64_t cml_result_lost(const struct cml_result *result)
 {
     cml_u128 lost = 0;

@@ -85,11 +85,11 @@ uint64_t cml_batch_size(uint64_t photons, int batch);
 double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, int n, int i, int k,
                        double *error);
 
-/* Returns the imbalance of the weight (rule P10) in units of weight: the first difference that is not 0, else
- * 0. Compared are: launched + gained with all fates; the sums of A_l, A_rz, A_xyz and A_t with the absorbed
- * weight; those of Rd_ra, Rd_xya, Rd_dir and Rd_t with the reflected weight; those of Tt_ra, Tt_xya, Tt_dir
- * and Tt_t with the transmitted weight; that of Rsp_dir with the specular weight; and the light that arrives
- * at the facets with the light that leaves them. Any difference is a fault of the program. */
+/* Returns the imbalance of the weight (rule P10) in units of weight: the first difference that is not 0, or 0
+ * if there is none. These sums must be equal: launched + gained and all fates; A_l, A_rz, A_xyz and A_t and
+ * the absorbed weight; Rd_ra, Rd_xya, Rd_dir and Rd_t and the reflected weight; Tt_ra, Tt_xya, Tt_dir and
+ * Tt_t and the transmitted weight; Rsp_dir and the specular weight; the light that arrives at the facets and
+ * the light that leaves them. Any difference is a fault of the program. */
 double cml_result_imbalance(const struct cml_result *result);
 
 /* Returns a term of the balance as a share of the launched weight. */

@@ -29,8 +29,8 @@ void cml_result_expected_layer(const struct cml_result *result, int layer, doubl
     *error = cml_result_absorbed_error(result, layer);
 }
 
-/* The mean of packets by weight is R = sum X / sum Y. Batches differ from it by (X_b - R Y_b) / sum Y
- * [Cochran, Sampling Techniques, section 6.3]. */
+/* Returns the mean over packets, by weight: R = sum X / sum Y. The error comes from the batches, which
+ * differ from R by (X_b - R Y_b) / sum Y [Cochran, Sampling Techniques, section 6.3]. */
 double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, int n, int i, int k,
                        double *error)
 {
@@ -38,7 +38,8 @@ double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, 
     const double bottom = cml_result_bin_sum(result->detector, detectors, k),
                  mean = cml_result_bin_sum(moment, n, i) / bottom;
     double squares = 0, batches = 0;
-    /* Number of batches that saw light; a single one equals the mean and says nothing about its error. */
+    /* Number of batches that saw light. The mean of a single batch is the mean itself, so it says nothing
+     * about the error, which then stays NaN. */
     int seen = 0;
     *error = NAN;
     if (!(bottom > 0)) return NAN;

@@ -6,20 +6,22 @@
  *     batch 63: ...
  *     grids over all batches, in the same way                            CML_OF_ROW_GRIDS
  *
- * Scores for derivatives (rule P17) have the same cells without grids, two for each medium inside (layers
- * first): by mua and by mus. Among the terms of the balance, specular is 0, because it is the flight's;
- * absorbed is 0, because it is the sum of A_l; launched has one cell for all rows. Units of weight are 2^-30
- * of a packet, units of weight times score 2^-20, in two's complement. SPDX-License-Identifier: MIT */
+ * Scores for derivatives (rule P17) have the same cells without grids. Each medium inside (layers first) has
+ * two rows of scores: by mua and by mus. Three terms of a row's balance are not kept by row: the cell of
+ * specular is 0, because the specular light of the flight holds for all rows; the cell of absorbed is 0,
+ * because absorbed is the sum of A_l; launched has one cell for all rows. Units of weight are 2^-30 of a
+ * packet, units of weight times score 2^-20, in two's complement. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "tally/tally.h"
 
 #include <math.h>
 
-/* Number of rows that a vector sums together; rows are rounded up to a multiple. */
+/* Number of rows that a vector sums together. The number of rows is rounded up to a multiple of it. */
 #define CML_ROW_GROUP 16
 
-/* One in this many interactions of a packet is a sample of A_z and A_rz, and stands for all. */
+/* Number of interactions of a packet per sample for A_z and A_rz of rows. The sampled interaction stands for
+ * all of them. */
 #define CML_ROW_SAMPLING 8
 
 /* Returns the number of places of a bin: one per row, rounded up. */

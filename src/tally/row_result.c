@@ -51,7 +51,7 @@ static cml_u128 moment(const struct row *row, size_t batch, size_t k, size_t m)
     const cml_u128 whole = (cell(row, bin + 1) << CML_ROW_MOMENT_BITS) + cell(row, bin);
     return m / media == CML_MOMENT_INTERACTIONS
                ? whole
-               : whole << CML_ROW_MOMENT_SHIFT; /* interactions are counted without a unit */
+               : whole << CML_ROW_MOMENT_SHIFT; /* numbers of interactions have no unit to convert */
 }
 
 /* Takes the moments of detectors of one batch. */
@@ -105,8 +105,9 @@ static void take_launch(const struct row *row)
         balance[CML_BALANCE_GAINED] += inside - exact;
 }
 
-/* Takes Rd_dir and Tt_dir, whose first bin is given, by group or followed by squares. Rsp_dir is that of the
- * flight. */
+/* Fills the result's directions, with their parts: groups, or sums and squares. Rd_dir and Tt_dir come from
+ * the row, whose bin `first` is the first of Rd_dir. Rsp_dir comes from the flight, because it is equal for
+ * all rows. */
 static void take_directions(const struct row *row, size_t first)
 {
     struct cml_result *to = row->to;

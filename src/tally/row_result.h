@@ -15,8 +15,8 @@ CML_NODISCARD cml_status cml_row_result(const struct cml_result *flight, int row
 CML_NODISCARD cml_status cml_score_result(const struct cml_result *flight, int score, struct cml_result *to,
                                           struct cml_error *err);
 
-/* Returns the number of packets of equal weight that would give a total as precisely as the result does: 1 /
- * (relative error^2 + 1 / photons); 0 for a total of 0. */
+/* Returns 1 / (relative error^2 + 1 / photons) of a total, which says how many packets of equal weight would
+ * give the total as precisely. Returns 0 if the total is 0. */
 double cml_effective_packets(const struct cml_result *result, enum cml_total total);
 
 /* Returns the number of packets of equal weight that would give the sum of A_z as precisely as the result

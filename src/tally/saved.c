@@ -46,6 +46,8 @@ double cml_saved_bytes(const struct cml_saved_kind *kind)
                : 0;
 }
 
+/* Allocates rows and sorting keys for more rows than the limit, so that surplus rows need not be dropped one
+ * by one. */
 cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved **saved,
                             struct cml_error *err)
 {
@@ -168,7 +170,8 @@ static bool make_keys(struct cml_saved *saved, bool by_index)
     return sorted;
 }
 
-/* Sorts the rows, as many as may be kept. */
+/* Sorts the rows by index, or in the order in which packets are kept. If there are more rows than the
+ * limit, only the first `limit` are in order. */
 static void arrange(struct cml_saved *saved, bool by_index)
 {
     if (make_keys(saved, by_index)) return;
@@ -244,6 +247,7 @@ void cml_saved_add_found(struct cml_saved *saved, uint64_t more)
 
 /* ---- a thread's ---- */
 
+/* Allocates a thread's buffer: as many rows as fit into PART_WORDS words, at least one. */
 cml_status cml_saved_part_create(const struct cml_saved_kind *kind, struct cml_saved_part **part,
                                  struct cml_error *err)
 {

@@ -1,7 +1,8 @@
 /* Packets that have left, saved one by one (rule P18). The packets with the smallest indices stay, up to a
  * limit; with several beams those whose indices have the smallest hashes. So the choice depends on no order:
- * threads, ranks, restarts and longer runs agree. Threads collect rows in buffers of their own and hand them
- * in when full. All memory is allocated before the first packet flies. SPDX-License-Identifier: MIT */
+ * threads, ranks, restarts and longer runs agree. Threads collect rows in buffers of their own, and pass a
+ * full buffer on to one receiver. All memory is allocated before the first packet flies.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "base/status.h"
@@ -76,8 +77,8 @@ uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *
 void cml_saved_clear(struct cml_saved *saved);
 void cml_saved_add_found(struct cml_saved *saved, uint64_t more);
 
-/* The receiver of rows that threads hand in, called by any thread at any time. take NULL: rows are
- * dropped. */
+/* The receiver of saved rows. Threads call `take` at any time when their buffers are full. If take is
+ * NULL, rows are dropped. */
 struct cml_saved_taker {
     void (*take)(void *context, const void *rows, size_t count);
     void *context;
@@ -97,5 +98,5 @@ CML_NODISCARD cml_status cml_saved_part_create(const struct cml_saved_kind *kind
 /* Returns a new row to be filled in. */
 struct cml_saved_row *cml_saved_next(struct cml_saved_part *part);
 
-/* Hands in all collected rows; part may be NULL. */
+/* Passes all collected rows to the receiver (`to`), and empties the buffer. part may be NULL. */
 void cml_saved_hand_in(struct cml_saved_part *part);

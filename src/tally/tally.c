@@ -16,7 +16,9 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
     return terms[total];
 }
 
-/* A thread has all of A_rz or none of it. With a part every deposit would have to look for its place. */
+/* Returns the grid of a thread's own tally: the grid of the run, without arrays that are too large for each
+ * thread to have. A thread has all of A_rz or none of it. With a part of it, each deposit would have to find
+ * out where its cell is. */
 struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid)
 {
     struct cml_tally_grid small = *grid;
@@ -53,7 +55,8 @@ size_t cml_tally_profile_bins(const struct cml_tally_grid *grid)
 
 double cml_tally_bytes(const struct cml_tally_grid *grid)
 {
-    /* Sums now, sums before, and one row of late packets per batch. */
+    /* Number of sets of profiles in a tally: the current sums, the sums before the current batch, and one row
+     * of late packets per batch. */
     const double profiles = 2.0 + CML_NUM_BATCHES;
     const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
     return ((double)cml_tally_cells(grid) + profiles * (double)(at.expected - at.detector)) *
@@ -112,8 +115,8 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
     return status;
 }
 
-/* Borrows only arrays that the thread does not have itself. A pointer stays NULL if the owner lacks the
- * array, too. */
+/* Lets a thread's tally score into the owner's arrays where it has none of its own. A pointer stays NULL if
+ * the owner lacks the array, too. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 {
     for (int i = 0; i < CML_NUM_ARRAYS; i++) {
@@ -123,7 +126,8 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
     }
 }
 
-/* Leaves borrowed arrays as they are, because other threads score into them meanwhile. */
+/* Sets the tally's own sums to zero. Borrowed arrays stay as they are, because other threads score into
+ * them meanwhile. */
 void cml_tally_zero(struct cml_tally *tally)
 {
     memset(tally->cells, 0, tally->layout.cells * sizeof *tally->cells);
@@ -190,8 +194,8 @@ uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
     return late->rows + (size_t)late->row_of[batch] * tally->profile.cells;
 }
 
-/* Clears the rows in use only. Rows are taken from the first one on, so memory of rows that are never needed
- * is never touched. */
+/* Sets the rows of late packets in use to zero, and forgets them. Rows are taken from the first one on, so
+ * memory of rows that are never needed is never touched. */
 void cml_tally_drop_late(struct cml_tally *tally)
 {
     const size_t cells = (size_t)tally->late.count * tally->profile.cells;
@@ -263,12 +267,13 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
         sums[i] = tally->balance[cml_balance_term_of_total((enum cml_total)i)];
     add_columns(tally->grouped, (size_t)cml_cell_groups(&tally->grid), bins_of_cells(tally), sums + at->Rd_r);
     if (tally->grid.depths) memcpy(sums + at->A_z, tally->A_z, ((size_t)tally->grid.nz + 2) * sizeof *sums);
-    /* gates, detectors and expected values follow A_l in both */
+    /* Gates, detectors and expected values follow A_l both in the tally and in the sums. */
     memcpy(sums + at->A_l, tally->A_l, (at->cells - at->A_l) * sizeof *sums);
 }
 
-/* A tally continues from batch to batch, and is summed anew each time, because its profiles are much shorter
- * than its grids. The difference to the last sums is the batch's share. */
+/* Computes the batch's share of the totals and profiles: the difference of the present sums to the last
+ * ones. A tally goes on from batch to batch, and is summed anew each time, because its profiles are much
+ * shorter than its grids. */
 void cml_tally_sum_batch(struct cml_tally *tally, int batch)
 {
     const size_t bins = tally->profile.cells;

@@ -51,7 +51,8 @@ struct cml_lost_list {
 struct cml_late {
     int count;                  /* number of rows in use */
     int batch[CML_NUM_BATCHES]; /* batch of each row */
-    /* Row of each batch; valid only if row_of < count and batch[row_of] is this batch. */
+    /* Number of the row of each batch. An entry is valid only if it is below `count` and the row's batch
+     * is this batch. */
     int row_of[CML_NUM_BATCHES];
     uint64_t *rows; /* [64][bins] sums of late packets; rows not in use are zero */
 };
@@ -80,7 +81,7 @@ struct cml_tally {
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
-    /* Totals and profiles, with places as in `profile`: */
+    /* The next members hold totals and profiles, with their places as in `profile`. */
     uint64_t *grouped;   /* [cml_cell_groups] profiles by group at the last cml_tally_sum_batch; private */
     uint64_t *last_sums; /* totals and profiles at the last cml_tally_sum_batch; private */
     /* Additions between the last two calls of cml_tally_sum_batch, without those of late packets. */

@@ -19,8 +19,8 @@ struct cml_tally_grid {
     bool depths;      /* A_z is tallied, by a thread that scores into a shared A_rz */
     bool cell_errors; /* each group of packets has its own A_rz, Rd_ra and Tt_ra */
     bool gate_errors; /* each group of packets has its own Rd_rt and Tt_rt */
-    /* Cells from one group's copy of A_xyz, and of the facets, to the next group's copy; 0: groups share one
-     * copy. */
+    /* Distance in cells from one group's copy of A_xyz, or of the facets, to the next group's copy. 0: all
+     * groups share one copy. */
     size_t voxel_step, facet_step;
     /* Distances between the parts of Rd_xya and Tt_xya, of detectors that are maps, and of Rd_dir to
      * Rsp_dir. */
@@ -40,14 +40,14 @@ struct cml_tally_grid {
     int nt, np;             /* number of bins of Rd_dir, Tt_dir and Rsp_dir */
     int detectors;          /* number of detectors; each has sums by gate, and means of its light */
     double path_unit;       /* unit in which lengths and depths are summed, cm */
-    double path_top;        /* depth from which summed depths count, cm */
+    double path_top;        /* depths of packets are summed as distances below this depth, cm */
     size_t detector_pixels; /* number of pixels of all detectors that are maps */
     struct cml_saved_kind saved;
     size_t facets;    /* number of facets of all boundaries and bodies */
     int rows;         /* number of rows of a sweep that come from one flight, or of scores */
     bool derivatives; /* the rows are scores of derivatives */
     bool row_depths;  /* rows have A_z and A_rz from samples, which do not add up to A exactly */
-    bool row_times;   /* rows, or the row that this result belongs to, have A_t if there are gates */
+    bool row_times;   /* the rows, or the row that this result is made for, have A_t if there are gates */
     bool row_means;   /* rows have means of detectors */
     size_t row_cells; /* number of cells of all rows together (row_cells.h) */
     bool backed;      /* some facets lie on a backing, which keeps the light that does not leave them */
@@ -75,7 +75,7 @@ static inline size_t cml_tally_media(const struct cml_tally_grid *grid)
 /* The moments of a detector: sums of weight times one of these numbers, by medium, kind after kind. Behind
  * them comes the sum of weight times largest depth. */
 enum cml_moment { CML_MOMENT_PATH, CML_MOMENT_INTERACTIONS, CML_MOMENT_MOMENTUM, CML_MEDIUM_MOMENTS };
-#define CML_MOMENTUM_UNIT 1.52587890625e-5 /* 2^-16 */
+#define CML_MOMENTUM_UNIT 1.52587890625e-5 /* unit of sums of 1 - cosine: 2^-16 */
 
 /* Returns the number of moments of a detector. */
 static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
@@ -83,10 +83,10 @@ static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
     return CML_MEDIUM_MOMENTS * cml_tally_media(grid) + 1;
 }
 
-/* Largest arrays, in cells and facets, that are kept by group, so that the spread over groups gives standard
- * errors. A thread then has its own A_rz, Rd_ra and Tt_ra, too (CML_THREAD_CELLS). Cells of rows that come
- * from one flight count. Larger arrays have squares instead if a packet adds to each cell at most once; all
- * others have no errors. */
+/* Largest size, in cells or facets, of an array that is kept by group, so that the spread over groups gives
+ * standard errors. Cells of rows that come from one flight count towards this size. Up to this size each
+ * thread also has its own A_rz, Rd_ra and Tt_ra (CML_THREAD_CELLS). A larger array has sums of squares
+ * instead if a packet adds to each cell at most once. Any other larger array has no errors. */
 #define CML_CELLS_WITH_ERRORS 65536
 #define CML_FACETS_WITH_ERRORS 16384
 
@@ -98,7 +98,7 @@ static inline bool cml_has_medium_times(const struct cml_tally_grid *grid)
            cml_tally_media(grid) * ((size_t)grid->gates + 1) <= CML_MEDIUM_TIMES;
 }
 
-/* Returns the distances between the parts of the facets' escaped weight. */
+/* Returns how far apart the parts of the facets' array of escaped weight lie, in cells. */
 static inline struct cml_once cml_facet_once(const struct cml_tally_grid *grid)
 {
     return (struct cml_once){grid->facet_step, CML_FACET_ESCAPED_SQUARES - CML_FACET_ESCAPED};

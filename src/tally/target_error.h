@@ -18,6 +18,6 @@
 bool cml_target_met(const struct cml_result *result, double target, int of);
 
 /* Returns the relative standard error of the number that --error-of names. of > 0: absorption of layer `of`,
- * its expected value if known (rule P15); of < 0: detector -of, from 1. INFINITY if no light arrived
- * there. */
+ * its expected value if known (rule P15); of < 0: detector -of, counted from 1. Returns INFINITY if the
+ * number or its error is 0, because no light has arrived. */
 double cml_target_error_of(const struct cml_result *result, int of);

@@ -261,6 +261,7 @@ static int compare_places(const void *left, const void *right)
     return fabs(a->z) < fabs(b->z) ? 1 : fabs(a->z) > fabs(b->z) ? -1 : 0;
 }
 
+/* Prints a table of the places, the worst ROWS if there are more, and the p-value of all tests together. */
 static void print_all(struct furnace *f, uint64_t photons)
 {
     printf("%s: %g photons of diffuse light from above and below, on %g x %g cm, without absorption\n",
@@ -358,6 +359,7 @@ static cml_status fly(const struct cml_options *options, struct furnace *f, cons
     return status == CML_OK ? publish(options, f, setup->photons, err) : status;
 }
 
+/* Tests one scene: fills it with diffuse light and compares the light in each place with theory. */
 static cml_status furnace_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
                                 struct cml_error *err)
 {

@@ -251,8 +251,8 @@ static void print_parts(FILE *stream, const struct cml_result *result)
 
 #define LEAST_TRAPPED 1e-6 /* least share of the light that is reported as trapped */
 
-/* Prints the share of light in packets that were given up (P9); no total has it. Nobody knows whether this
- * light was trapped for ever, or would have come out later. */
+/* Prints the share of light in packets that were given up (P9), which no total includes. Nobody knows whether
+ * this light was trapped for ever, or would have come out later. */
 static void print_trapped(FILE *stream, const struct cml_result *result)
 {
     const double share = cml_result_share(result, CML_BALANCE_TRAPPED);

@@ -12,8 +12,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Returns the length of a path without .mco or .h5, in small letters or capitals: on a file system that does
- * not tell them apart two runs would write the same file. */
+/* Returns the length of a path without its ending .mco or .h5. Capitals count as small letters, because on a
+ * file system that does not distinguish them two runs would write the same file. */
 static size_t stem_length(const char *path)
 {
     const size_t length = strlen(path);
@@ -244,6 +244,7 @@ static cml_status write_mco(const struct cml_report *report, const char *path, s
     return cml_mco_write(path, &outcome, err);
 }
 
+/* Writes a file with the writer of its content. */
 static cml_status write_file(struct cml_report *report, const struct cml_report_file *file, const char *path,
                              struct cml_error *err)
 {
@@ -301,8 +302,8 @@ static double image_bytes(const struct cml_tally_grid *grid, double numbers)
     return 1.01 * bytes + fmin(bytes, 32 * mib);
 }
 
-/* Returns the numbers of all quantities that are held as a whole; each has an error. MCML's arrays of
- * absorption are always there. */
+/* Returns how many numbers all quantities that are held as whole arrays have together. Absorption by depth
+ * always counts, because an .mco contains it even if it is not tallied. */
 static double numbers_of(const struct cml_tally_grid *grid)
 {
     const struct cml_layout layout = cml_layout_of(grid, CML_OF_RESULT);
@@ -313,10 +314,11 @@ static double numbers_of(const struct cml_tally_grid *grid)
     return numbers;
 }
 
-/* Counts quantities in double precision, the text of the .mco, and the writers' buffers. A boundary or a body
- * has a line in the .mco and one in the JSON record; the longer counts. A growing stream in memory holds
- * three times its text [glibc, libio/strops.c: doubled, and copied]. Media and fluxes of bodies fit in as
- * well, because the text is held once. */
+/* Sums the memory of the quantities in double precision with their errors, of the text of the .mco, and of
+ * the buffers of the writers. A boundary or a body has a line in the .mco and one in the JSON record, and the
+ * longer of the two counts. A growing stream in memory holds three times its text, which is doubled and
+ * copied [glibc, libio/strops.c]. The text is held only once, so media and fluxes of bodies fit in as
+ * well. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_grid *grid)
 {
     const double line_of_boundary = 250, line_of_body = 250;

@@ -56,6 +56,8 @@ static cml_status fill_bodies(const struct cml_scene *scene, struct cml_outcome 
     return CML_OK;
 }
 
+/* Copies the names of the detectors: one by one into o->detector, and joined by blanks into
+ * o->detector_names. */
 static cml_status fill_detectors(const struct cml_scene *scene, struct cml_outcome *o, struct cml_error *err)
 {
     const int count = scene->num_detectors;

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* OMPI_COMM_WORLD_SIZE is set by Open MPI; PMI_RANK by MPICH, Intel MPI and srun --mpi=pmi2; PMIX_RANK by
- * srun --mpi=pmix. */
+/* True if an MPI launcher has started this process. Open MPI sets OMPI_COMM_WORLD_SIZE; MPICH, Intel MPI and
+ * srun --mpi=pmi2 set PMI_RANK; srun --mpi=pmix sets PMIX_RANK. */
 bool cml_launcher_found(void)
 {
     static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_RANK", "PMIX_RANK", NULL};

@@ -78,6 +78,8 @@ static cml_status check_photons(const struct cml_options *options, const struct 
     return cml_setting_fail(photons, "no value beside that of --photons", err);
 }
 
+/* Reads the scenes of the input file with the settings of the options, and checks them. On failure *list is
+ * empty. */
 static cml_status load(const struct cml_options *options, const struct cml_text_source *source,
                        struct cml_scene_list *list, struct cml_error *err)
 {

@@ -424,7 +424,8 @@ static void remove_leftovers(const struct cml_outputs *outputs)
     }
 }
 
-/* Checks and adds the files of one run. */
+/* Adds the files of one run to the claimed files, after checks of their names and folders. A device like
+ * /dev/null is not added. */
 static cml_status claim_run(const struct cml_options *options, const struct cml_scene *scene, int run,
                             struct cml_outputs *outputs, struct cml_error *err)
 {

@@ -34,7 +34,8 @@ static cml_status table_path(const struct cml_sweep_run *sweep, const char *suff
 
 /* ---- before the first row flies ---- */
 
-/* Returns the row whose checkpoint stands for a row: itself, or the first row of its flight. */
+/* Returns the row under which the checkpoint of a row is saved. With --reweight rows share a flight, and the
+ * checkpoint has the name of the first row of the flight. */
 static int row_of_checkpoint(const struct cml_sweep_run *sweep, int row)
 {
     int first = 0;
@@ -489,6 +490,7 @@ static void note_anew(const struct cml_sweep_run *sweep)
     cml_show_note(NULL, text);
 }
 
+/* Flies all rows, makes their results safe on the disk and writes the tables of the sweep. */
 static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;

@@ -222,6 +222,7 @@ static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
     return f->pixels ? CML_OK : check_heights(f, map);
 }
 
+/* Reads a .gsf file as a heightmap or, if `pixels`, as an image. On failure the map is empty. */
 static cml_status read_file(const struct cml_text_source *source, const char *path, double unit, bool pixels,
                             struct cml_heightmap *map, struct cml_error *err)
 {

@@ -172,7 +172,8 @@ static cml_status write_h5(struct cml_report *report, const char *path, struct c
     return cml_h5_write(path, &report->outcome, &more, err);
 }
 
-/* Fills the list with the fields of the map and of the facets of planes, which are pixels, too. */
+/* Fills the list with the fields of the map, and of the boundaries that are planes: facets of a plane are the
+ * pixels of the map. */
 static void fill_map(struct cml_field_list *list)
 {
     const struct cml_surface_set *surfaces = list->report->surfaces;

@@ -77,7 +77,8 @@ static cml_status wait_for(MPI_Request *call, struct cml_error *err)
     }
 }
 
-/* A call that failed to start returns its error, and nothing is waited for. */
+/* Releases the lock that the start of an MPI call needs, and waits until the call is complete. code: result
+ * of the start; if the start failed, its error is returned at once. */
 cml_status cml_cluster_complete(int code, MPI_Request *call, struct cml_error *err)
 {
     pthread_mutex_unlock(&cml_ranks.lock);

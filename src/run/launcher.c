@@ -34,8 +34,8 @@ static int number_started(const char **variable)
     return 1;
 }
 
-/* A single rank is right for a process that was started alone, and for a batch script that runs the program
- * without srun. */
+/* Refuses a single rank if the launcher started several processes: each of them would fly the whole run. A
+ * process that was started alone, or by a batch script without srun, is one rank. */
 cml_status cml_launcher_check(int size, struct cml_error *err)
 {
     const char *variable = NULL;

@@ -10,8 +10,8 @@
 #define LEAST_PIECE 4096 /* packets: smaller pieces leave threads and vector lanes without work */
 
 /* Returns the seconds that flying a range should take. With 1e4 ranks or more a range takes 1e-4 s per rank:
- * rank 0 then gets 1e4 requests per second and can answer some 1e5. A piece should take 25 times the overhead
- * of a batch, and a range holds at least two pieces. */
+ * rank 0 then gets 1e4 requests per second and can answer some 1e5. A piece should take 25 times its
+ * overhead, and a range holds at least two pieces. */
 static double target_seconds(const struct cml_work_ranges *work)
 {
     return fmax(0.5, fmax(1e-4 * cml_cluster_size(), 50 * work->overhead));
@@ -76,7 +76,7 @@ void cml_work_close(struct cml_work_ranges *work)
     free(work->wants);
 }
 
-/* Rank 0 serves itself without a message. */
+/* Takes a range for this rank. Rank 0 needs no message for its own ranges. */
 cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cml_range *range,
                          struct cml_error *err)
 {
@@ -91,7 +91,7 @@ cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cm
     return CML_OK;
 }
 
-/* Keeps the least overhead seen: longer ones were held up by other work. */
+/* Keeps the smallest overhead measured, because larger ones include delays by other work. */
 void cml_work_batch_ended(struct cml_work_ranges *work, double seconds)
 {
     /* twice the time for adding a tally, because clearing or gathering it costs as much again */

@@ -179,7 +179,7 @@ static void set_defaults(struct cml_options *options)
     options->engine_options.roulette = (struct cml_roulette_options){0.003, 0.01};
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
-    /* s: at most a minute of work is lost, and a busy host does not count as a lost one */
+    /* s: a kill costs at most a minute of work, and a host is lost only after a minute of silence */
     options->checkpoint_interval = 60;
     options->timeout = 60;
     options->surface.force = CML_SURFACE_AUTO;

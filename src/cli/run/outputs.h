@@ -15,7 +15,7 @@ struct cml_output_file {
     enum cml_output_kind kind;
 };
 
-/* All files of one call; zeroed: nothing is claimed. */
+/* All files that one call of the program has claimed. A struct of zeros claims nothing. */
 struct cml_outputs {
     size_t count;
     struct cml_output_file *file; /* [count] all files of all runs */

@@ -254,7 +254,7 @@ static void note_columns(const struct cml_sweep_run *sweep)
     note_numbers(table, &sweep->base->scenes[0]);
 }
 
-/* Returns the medium that a column sets a number of; -1: none. */
+/* Returns the medium of which a column of the table sets a number (layer1.mua, body2.n ...); -1: none. */
 static int medium_of(const struct cml_sweep_table *table, int column, const struct cml_scene *scene)
 {
     const int layer = layer_of(table, column, scene);

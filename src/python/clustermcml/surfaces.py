@@ -286,7 +286,7 @@ class Rough:
             raise errors.refuse("Rough.alpha", self.alpha, "0, or a number of 1e-4 to 2")
 
     def words(self, separator: str = " ") -> str:
-        """Kind and number, as they stand in a line of the `.mci`."""
+        """Returns kind and alpha as a line of the `.mci` has them."""
         return f"{self.kind}{separator}{shortest(self.alpha)}"
 
 

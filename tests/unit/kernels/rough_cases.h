@@ -149,8 +149,8 @@ static int cell_of(int i, struct cml_vec m)
 static void drawn_normals_are_those_that_are_seen(void **state)
 {
     (void)state;
-    const double angles[] = {150, 105,
-                             70}; /* angles of flight; the angles of incidence are 30, 75 and 110 degrees */
+    const double angles[] = {
+        150, 105, 70}; /* flight from the normal, in degrees; incidence at 30, 75 and 110 degrees */
     const int draws = repeats(800000);
     for (int i = 0; i < COUNT(surfaces); i++)
         for (int k = 0; k < COUNT(angles); k++) {

@@ -31,8 +31,7 @@
  * interactions ends with the weight 1 - k 1e-10; the rounding of such small absorption makes the mean wrong
  * by 4e-5 of itself (cml_absorbed_part). */
 #define TRACER 1e-10
-/* Most interactions of light that crosses a layer straight on; in thicker layers packets would stay for ever.
- */
+/* largest optical depth of a layer; packets would hardly ever leave thicker ones */
 #define MOST_DEPTH 1e4
 #define MOST_PERIODS 10000
 #define ROWS 40 /* places printed at most */

@@ -47,7 +47,8 @@ cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const stru
                           "at most 67108863 bins, (nz + 2) times (nr + 1)");
 }
 
-/* The name must be valid as that of an output, and has no folder: the file lies beside the result. */
+/* Reads a `photons` line. The name must be one that an output may have, without a folder, because the file
+ * lies beside the result. */
 cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_saved_def *saved = &scene->saved;

@@ -87,7 +87,8 @@ static const char *fault_of(const struct looking *looking, const struct cml_repo
     return looking->resumes || looking->extends ? fault_of_result(looking, file) : NULL;
 }
 
-/* A cml_report_file_function: looks at one file of the run. */
+/* Looks at one file of the run, as a cml_report_file_function. Keeps the first file that exists, and the
+ * first one with a fault. */
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     const struct looking *looking = context;

@@ -20,8 +20,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Computes the exact totals if all boundaries are flown as planes, with errors a little below the run's own.
- * Gives up if it takes too long. They are printed, and in no file. */
+/* Computes the exact totals if all boundaries are flown as planes, with errors a little below those of the
+ * run. Gives up if that takes long. The totals are printed, but no file has them. */
 static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
 {
     const struct cml_surface_set *surfaces = report->surfaces;

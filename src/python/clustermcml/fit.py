@@ -171,7 +171,7 @@ class _Anchor:
     logs: Any  # [numbers] logarithms of the model's numbers
     slopes: Any  # [numbers, parameters] derivatives of logs by u
     errors: Any  # standard errors of slopes, inf if unknown
-    covariance: Any  # of the noise of the model's numbers
+    covariance: Any  # covariance of the noise of the numbers
 
 
 def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
@@ -238,7 +238,7 @@ def _fly_rows(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows
     writes files into a folder and returns the options that name them."""
     with scratch_folder() as scratch, scene_file(scene, scratch) as file:
         with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", ".*effective packets")  # most rows are far from the solution
+            warnings.filterwarnings("ignore", ".*effective packets")  # silent, because most rows are far from the solution and their noise does not matter
             warnings.filterwarnings("ignore", ".* counts from above")  # the user chose parameters by name, and has counted layers already
             said = fly(file, scratch, [*words(scratch), *option_words(options, FitOptions)], False, scratch, rows)
         if said[0]["photons"] < BATCHES:

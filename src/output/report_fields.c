@@ -344,7 +344,8 @@ static size_t num_facets(const struct cml_report *report, int b)
     return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
 }
 
-/* Returns the scores of the first facet of boundary b; b one too large: those of the first body. */
+/* Returns the scores of the first facet of boundary b. If b is the number of boundaries, returns those of the
+ * first body. */
 static const cml_u128 *facets_of(const struct cml_report *report, int b)
 {
     size_t first = 0;

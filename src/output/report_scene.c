@@ -163,8 +163,8 @@ static void report_bodies(FILE *stream, const char *prefix, const struct cml_sce
         fprintf(stream, "%sand %d more bodies\n", prefix, scene->num_bodies - shown);
 }
 
-/* The text is part of the .mco file, whose bytes must not depend on the machine: it names nothing that was
- * measured. */
+/* Prints all boundaries and bodies as they are flown. The text is part of the .mco file, whose bytes must not
+ * depend on the machine, so it has no measured times. */
 void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, enum cml_report_reader reader)
 {

@@ -8,7 +8,7 @@ enum cml_run_intent {
     CML_RUN_FRESH,  /* flies all photons */
     CML_RUN_RESUME, /* flies the photons that a checkpoint leaves */
     CML_RUN_EXTEND, /* flies the photons behind the last one of a finished run */
-    /* flies none: the results of a finished run are gone, but its tallies are at hand */
+    /* flies none: the results of a finished run are gone, but its checkpoint still has the tallies */
     CML_RUN_REPUBLISH,
     CML_RUN_NOTHING_LEFT, /* flies none: the run is finished, and its results exist */
     CML_RUN_REFUSED,      /* flies none: the run would replace files that --no-clobber keeps */

@@ -1,5 +1,5 @@
-/* Deals photon indices out to ranks: ranges, handed out on request. Rank 0 keeps the indices that nobody has
- * flown. Every rank, rank 0 too, takes the next range when it has flown its last, so ranks may be of any
+/* Distributes photon indices over ranks, in ranges that ranks ask for. Rank 0 keeps the indices that nobody
+ * has flown. Every rank, rank 0 too, takes the next range when it has flown its last, so ranks may be of any
  * speed. A range lasts about half a second on its rank, judged by the rank's last ranges. When few photons
  * are left, a range is half of the rank's share of them, by speed, so that all ranks finish together (after
  * guided self-scheduling, Polychronopoulos and Kuck 1987). A rank that becomes slow costs the others at most

@@ -66,7 +66,7 @@ cml_status cml_read_count(const struct cml_option *option, const char *value, st
     return count(option, value, member_of(option, options), err);
 }
 
-/* Records that a seed was given, because a table of --sweep may have seeds, too. */
+/* Reads the seed, and records that one was given, because a table of --sweep may have seeds, too. */
 cml_status cml_read_seed(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {

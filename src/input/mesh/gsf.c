@@ -262,7 +262,7 @@ static void write_float(FILE *stream, double value)
     for (int i = 0; i < 4; i++) fputc((int)(word >> 8 * i & 255), stream);
 }
 
-/* Writes the row of the largest y first, as the format wants it. */
+/* Writes a heightmap as a .gsf file. The format wants the row of the largest y first. */
 cml_status cml_gsf_write(const char *path, const struct cml_heightmap *map, struct cml_error *err)
 {
     struct cml_file file;

@@ -41,7 +41,7 @@ OTHER_SEED = 2**40  # difference between the seed of the anchor (the last flight
 NOISY = 0.3  # largest share of a parameter's information that may be noise of the slopes
 BATCHES = 64  # number of batches from which the program computes errors
 REDRAWN = 100  # number of redrawn flights for the error of a correlation
-TINY = 1e-30  # value of bins that saw nothing, which need a logarithm
+TINY = 1e-30  # value of bins that saw nothing, so that their logarithm is finite
 
 
 @dataclasses.dataclass(frozen=True)

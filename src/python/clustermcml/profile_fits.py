@@ -171,7 +171,7 @@ def _errors(profile: Shares, weights: Any, lengths: Any) -> tuple[Any, Any]:
 
 def _curve(kind: str, profile: Shares, weights: Any, lengths: Any) -> Curve:
     shares = weights @ shares_of(kind, profile.edges, lengths)
-    if kind == "gaussians":  # linear errors were up to 4 times too small, because neighbours overlap and the search ends in a flat valley
+    if kind == "gaussians":  # unknown errors: linear ones were up to 4 times too small, because neighbours overlap and the search ends in a flat valley
         weights_se, lengths_se = np.full((2, len(weights)), np.nan)
     else:
         weights_se, lengths_se = _errors(profile, weights, lengths)

@@ -244,8 +244,8 @@ static cml_status check_heightmap_options(const struct cml_mci_line *line,
     return CML_OK;
 }
 
-/* Reads a heightmap and makes the boundary's mesh of it, or its tile; the heights are then freed, or the
- * tile's. */
+/* Reads a heightmap and makes the boundary's mesh or tile. A tile keeps the heights; a mesh does not need
+ * them, and they are freed. */
 static cml_status read_heightmap(const struct cml_mci_line *line, enum cml_mci_mesh_file kind,
                                  enum tiling tiling, const struct cml_obj_options *given,
                                  struct cml_boundary *boundary)

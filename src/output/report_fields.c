@@ -460,8 +460,8 @@ void cml_add_shape_field(struct cml_field_list *c, int b, const char *prefix)
 
 /* ---- bodies ---- */
 
-/* Adds the scores of the facets of bodies; or with `face` those of the faces that stand for them, without the
- * word body in their names. */
+/* Adds the scores of all facets of bodies. With `face`, adds one value for each face of a drawing in place of
+ * each facet, and leaves the word body out of the names. */
 static void add_body_scores(struct cml_field_list *c, const struct cml_body_face *face)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {

@@ -186,8 +186,8 @@ static void fill_map(struct cml_field_list *list)
     }
 }
 
-/* Returns position and size of an image. Images lie where the scene has them, z down; that of a detector at
- * the depth it is focused on. */
+/* Returns position and size of an image in the frame of the scene (z down). The image of a detector lies at
+ * the depth that the detector is focused on. */
 static struct cml_image image_of(const struct cml_scene *scene, const struct cml_report_file *file)
 {
     const struct cml_map_def *map = &scene->map;

@@ -175,7 +175,8 @@ static json_t *layer_json(const struct cml_json_subject *subject, int l)
     return with_phase(object, medium->phase);
 }
 
-/* Sets the sizes of a detector in the order of its line: radii, lengths, or those of a pixel. */
+/* Returns detector k as an object. `size` has the radii or lengths in the order of the line; for a map, those
+ * of a pixel. */
 static json_t *detector_json(const struct cml_json_subject *subject, int k)
 {
     const struct cml_detector_def *d = &subject->scene->detectors[k];

@@ -189,7 +189,7 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
         if (cml_quantities[i].estimator == (by_mus ? CML_FROM_MUS : CML_FROM_MUA))
             status = take_column(&sums, quantity, k, scale, o, err);
     }
-    /* keeps cml_outcome_clear from freeing the names of detectors, which belong to `o` */
+    /* `sums` has no names of detectors that cml_outcome_clear could free */
     sums.num_detectors = 0;
     cml_outcome_clear(&sums);
     cml_result_free(&result);

@@ -20,7 +20,7 @@ struct cml_run_findings {
     enum cml_checkpoint_kind kind; /* the checkpoint of the run, where one is looked for */
     bool tallies;                  /* the checkpoint holds tallies */
     bool result_gone;              /* a file that the finished run wrote is no longer there */
-    bool result_stands;            /* a result is there whose identity is that of this run */
+    bool result_stands;            /* a result with the identity of this run exists */
     bool kept;                     /* --no-clobber was given, and a file that the run would write exists */
 };
 

@@ -146,7 +146,8 @@ cml_status cml_read_roulette(const struct cml_option *option, const char *value,
     return sound ? CML_OK : fail(err, option, value, "mcml, or WR,WS with 1e-6 <= WR <= WS <= 1");
 }
 
-/* True if a name, up to its end or a comma, may be an aim: any name may be that of a detector. */
+/* True if a name, up to its end or a comma, may be an aim. Any name may be that of a detector; A_l: needs the
+ * number of a layer behind it. */
 static bool is_aim(const char *name)
 {
     const size_t length = strcspn(name, ",");

@@ -297,8 +297,8 @@ static double *add_with_errors(struct fields *list, const struct cml_axis *axis,
     return value;
 }
 
-/* Adds the numbers of a kind from number `first` on, with their errors, over `axis` and `inner` (NULL: one
- * number per row). name NULL: that of the quantity. */
+/* Adds the numbers of a kind from number `first` on, with their errors, over `axis` and `inner` (NULL: no
+ * such axis). name NULL: the field has the name of the quantity. */
 static void fill_over(struct fields *list, enum cml_recorded kind, int first, const struct cml_axis *axis,
                       const struct cml_axis *inner, enum cml_quantity quantity, const char *name)
 {

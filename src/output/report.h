@@ -166,7 +166,7 @@ CML_NODISCARD cml_status cml_report_exact_json(FILE *stream, const struct cml_sc
  * (its flat twin). */
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);
 
-/* The size of a sweep; zeroed: no sweep. */
+/* The size of a sweep. Zeros mean that there is no sweep. */
 struct cml_sweep_size {
     int rows, flights;
 };

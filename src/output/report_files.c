@@ -116,8 +116,8 @@ cml_status cml_report_each_file(const struct cml_scene *scene, const struct cml_
 {
     const struct visit v = {path, each, context};
     char suffix[64];
-    if (cml_file_is_device(path))
-        return visit(&v, CML_FILE_TABLE, 0, NULL, err); /* a device has no files beside it */
+    if (cml_file_is_device(path)) /* nothing lies beside the result on a device like /dev/null */
+        return visit(&v, CML_FILE_TABLE, 0, NULL, err);
     CML_TRY(visit_tables(&v, scene, asks, err));
     if (scene->map.nx > 0) CML_TRY(visit(&v, CML_FILE_MAP, 0, ".map.vti", err));
     if (scene->map.volume && (asks->absorption || scene->fluence.line))

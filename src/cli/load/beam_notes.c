@@ -63,8 +63,8 @@ static int first_shape(const struct cml_scene *scene)
     return -1;
 }
 
-/* Notes a pencil on a rough surface: its results are those of the one point it meets. Rings about the axis
- * are left out, because a pencil on them is meant for their middle. */
+/* Notes a pencil on a rough surface, because all results are of the one point that the pencil meets. Radial
+ * heightfields get no note: a pencil on them is meant for their middle. */
 static void note_pencil(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_beam *beam = &scene->beams[0];

@@ -86,7 +86,8 @@ static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_err
     return cml_sweep_name_row(sweep, row, status, err);
 }
 
-/* Claims the outputs of the tables and rows, as those of a file that had them as runs, without shapes. */
+/* Claims the outputs of the tables and of all rows, as if each were a run of one file. Tables count as runs
+ * without map, facets and saved packets. */
 static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, struct cml_error *err)
 {
     static const char *const suffixes[] = {".sweep.csv", ".sweep.h5"};
@@ -470,7 +471,8 @@ static void announce(const struct cml_sweep_run *sweep)
     printf("\n");
 }
 
-/* Notes that the table is replaced. The results of its rows are replaced with it. */
+/* Notes that the table of an earlier sweep is replaced, which means that the results of its rows are
+ * replaced, too. */
 static void note_replaced(const struct cml_sweep_run *sweep)
 {
     char *csv = NULL, text[CML_REPLACED];

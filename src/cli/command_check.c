@@ -86,7 +86,7 @@ static void print_mesh(const struct cml_scene *scene, int b)
                ulp);
 }
 
-/* Prints a tile. Sizes are those of the samples; the height is the one to compare with the layers. */
+/* Prints the tile of boundary b: its size, its heights and slopes, and the steps across its seams. */
 static void print_tile(const struct cml_scene *scene, int b)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];

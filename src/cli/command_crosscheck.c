@@ -52,6 +52,7 @@ static void print_side(const struct cml_check_side *side, const struct cml_resul
            (unsigned long long)cml_result_lost(result), cml_result_imbalance(result));
 }
 
+/* Prints the comparison of side s with the first side, for people. */
 static void print_pair(const struct cml_check_setup *setup, int s, const struct cml_check_pair *pair)
 {
     const uint64_t differ = setup->photons - pair->equal;
@@ -119,6 +120,7 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
     return side;
 }
 
+/* Prints the comparison of all sides as one JSON object. */
 static cml_status print_json(const struct cml_check_setup *setup, const struct cml_check_result *result,
                              double tolerance, struct cml_error *err)
 {

@@ -17,7 +17,8 @@ static cml_status solve(const struct cml_options *options, const struct cml_scen
     return CML_OK;
 }
 
-/* Shapes are read, so that mistakes in them are reported, and then count as planes, which cannot cross. */
+/* Prints the exact totals of all runs of the file. Shapes are read, so that mistakes in them are reported,
+ * but count as planes, which cannot cross. */
 cml_status cml_command_exact(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_options flat = *options;

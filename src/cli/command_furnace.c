@@ -31,8 +31,7 @@
  * interactions ends with the weight 1 - k 1e-10; the rounding of such small absorption makes the mean wrong
  * by 4e-5 of itself (cml_absorbed_part). */
 #define TRACER 1e-10
-/* Most interactions of light that crosses a layer straight on; in thicker layers packets would stay for ever.
- */
+/* largest optical depth of a layer; packets would hardly ever leave thicker ones */
 #define MOST_DEPTH 1e4
 #define MOST_PERIODS 10000
 #define ROWS 40 /* places printed at most */
@@ -262,6 +261,7 @@ static int compare_places(const void *left, const void *right)
     return fabs(a->z) < fabs(b->z) ? 1 : fabs(a->z) > fabs(b->z) ? -1 : 0;
 }
 
+/* Prints a table of the places, the worst ROWS if there are more, and the p-value of all tests together. */
 static void print_all(struct furnace *f, uint64_t photons)
 {
     printf("%s: %g photons of diffuse light from above and below, on %g x %g cm, without absorption\n",
@@ -359,6 +359,7 @@ static cml_status fly(const struct cml_options *options, struct furnace *f, cons
     return status == CML_OK ? publish(options, f, setup->photons, err) : status;
 }
 
+/* Tests one scene: fills it with diffuse light and compares the light in each place with theory. */
 static cml_status furnace_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
                                 struct cml_error *err)
 {

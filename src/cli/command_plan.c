@@ -198,6 +198,8 @@ static void print_windows(const struct plan *plan)
     if (plan->unaimed.text[0]) printf("  without aim: %s\n", plan->unaimed.text);
 }
 
+/* Prints the plan for people: photons and times for each engine and sampling, then what is known about
+ * them. */
 static void print_plan(const struct plan *plan)
 {
     const int ranks = cml_cluster_size(), threads = plan->errors[1].threads;
@@ -261,6 +263,7 @@ static json_t *gains_json(const struct plan *plan)
     return gains;
 }
 
+/* Prints the plan as one JSON object. */
 static cml_status print_json(const struct plan *plan, struct cml_error *err)
 {
     json_t *object = json_pack(
@@ -317,6 +320,8 @@ static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *su
     }
 }
 
+/* Chooses the surfaces of the scene and makes its aim: the aim of --aim, or else all aims whose gain is
+ * shown. */
 static cml_status prepare(const struct cml_options *options, struct plan *plan,
                           struct cml_surface_set *surfaces, struct cml_run_setup *setup,
                           struct cml_error *err)
@@ -334,6 +339,7 @@ static cml_status prepare(const struct cml_options *options, struct plan *plan,
     return aim(plan->scene, surfaces, &plan->aim, err);
 }
 
+/* Flies the pilots of one scene and prints its plan. */
 static cml_status plan_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
                              struct cml_error *err)
 {

@@ -107,7 +107,8 @@ int main(int argc, char **argv)
         return (int)status;
     }
     status = work(argc, argv, &err);
-    /* a launcher that ends the other ranks of a failed job must not change the exit code */
+    /* from here on signals are only remembered: if a job fails, a launcher ends all its ranks by a signal,
+     * which must not change the exit code */
     cml_stop_watch();
     if (cml_cluster_rank() == 0) complain(status, &err);
     if (cml_cluster_contact_lost()) {

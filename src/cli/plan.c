@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-#define LARGEST_ERROR 0.5 /* relative error from four packets; that from one is 1 */
+#define LARGEST_ERROR 0.5 /* relative error of four packets, 1 / sqrt(4); errors of fewer say too little */
 #define FIRST_ROUND 1024  /* 16 photons in a batch: fewer say little about its mean */
 
 /* Returns the relative error of the expected Tt; INFINITY if there is none. */

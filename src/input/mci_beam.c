@@ -181,7 +181,8 @@ static cml_status set_light(struct cml_mci_line *line, struct cml_light *light)
     return cml_mci_table(line->reader, "beam", value + 1, "a file name", read_light_table, light);
 }
 
-/* Sets a key of type CML_KEY_OWN. `na` is a key of detectors; beams have light=na:N. */
+/* Sets a key of type CML_KEY_OWN: `light` or `radial`. `na` is a key of detectors only, so the message
+ * advises light=na:N. */
 static cml_status set_own(struct cml_mci_line *line)
 {
     struct cml_beam *beam = line->context;

@@ -91,6 +91,7 @@ static cml_status set_mesh_option(struct cml_mci_line *line)
     return cml_mci_mesh_units(line, &mesh->obj);
 }
 
+/* Reads a body that is a closed mesh: the file name, the medium and the options. Then reads the .obj file. */
 static cml_status read_mesh(struct cml_mci_reader *reader, const char *owner, int number,
                             struct cml_scene_body *body, struct cml_medium_def *medium)
 {
@@ -120,6 +121,7 @@ static cml_status read_mesh(struct cml_mci_reader *reader, const char *owner, in
         cml_obj_read(reader->options->source, body->file, obj, &body->mesh, &body->mesh_notes, reader->err));
 }
 
+/* Reads the line of a body: a mesh in quotes, or a sphere or cylinder with its medium. */
 static cml_status read_body(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
                             struct cml_medium_def *medium)
 {

@@ -27,7 +27,8 @@ struct samples {
     double radius; /* radius of the last sample read, cm */
 };
 
-/* Refuses a value with its file and line: those of the heightfield's own file, or of the .mci file. */
+/* Refuses a value of a heightfield. The message names the file and line where the value stands, which is the
+ * heightfield's own file or the .mci file. */
 static cml_status fail_sample(const struct samples *samples, const char *field, const char *value,
                               const char *expected)
 {
@@ -243,8 +244,8 @@ static cml_status check_heightmap_options(const struct cml_mci_line *line,
     return CML_OK;
 }
 
-/* Reads a heightmap and makes the boundary's mesh of it, or its tile; the heights are then freed, or the
- * tile's. */
+/* Reads a heightmap and makes the boundary's mesh or tile. A tile keeps the heights; a mesh does not need
+ * them, and they are freed. */
 static cml_status read_heightmap(const struct cml_mci_line *line, enum cml_mci_mesh_file kind,
                                  enum tiling tiling, const struct cml_obj_options *given,
                                  struct cml_boundary *boundary)
@@ -361,6 +362,7 @@ static cml_status read_mesh(struct cml_mci_line *line, int index, const char *na
     return CML_OK;
 }
 
+/* Reads an `m` line: a boundary that is a mesh, a heightmap or a random relief (`gaussian`). */
 static cml_status read_m(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
     char owner[32];

@@ -27,7 +27,7 @@ void cml_mci_forget(struct cml_mci_reader *reader)
     reader->kept_last = 0;
 }
 
-/* Hands the memory over; the reader allocates new memory for the next run. */
+/* Returns the kept lines, which the caller frees. The reader allocates new memory for the next run. */
 char *cml_mci_take_kept(struct cml_mci_reader *reader)
 {
     char *kept = reader->kept;
@@ -256,8 +256,9 @@ static bool is_other_unit(const char *word)
     return false;
 }
 
-/* Files of original MCML have comments without a '#' behind the last field, so words there are ignored. But a
- * further number was probably meant as a value, and another unit for the numbers before; both are refused. */
+/* Reads the numbers of a line. Behind the last one files of original MCML have comments without a '#', so
+ * words are ignored there. A further number was probably meant as a value, and a unit for the numbers before
+ * it, so both are refused. */
 cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner, const struct cml_key_part *parts)
 {
     cml_mci_cut_comment(reader->cursor);

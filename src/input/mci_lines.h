@@ -14,7 +14,7 @@ struct cml_mci_reader {
     struct cml_text text;
     struct cml_error *err;
     char *cursor; /* rest of the current line */
-    char *kept;   /* the lines handed out since cml_mci_forget, joined with line feeds */
+    char *kept;   /* the lines read since cml_mci_forget, joined with line feeds */
     size_t kept_size, kept_capacity;
     size_t kept_last; /* offset of the current line in `kept` */
 };

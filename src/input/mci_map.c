@@ -21,8 +21,9 @@ cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_scene *scene)
     return cml_mci_fail_option(&line, "top", cml_mci_saw(&line, "top"), "volume beside it");
 }
 
-/* Every batch has its own fluence with bins beyond the grid, and the bins of all 64 batches are counted in 32
- * bits (kernels/marks.h). The bins of radius and time have the same limit. */
+/* Refuses a fluence or gates with too many bins. Each of the 64 batches has bins of its own, those beyond the
+ * grid included, and the bins of all batches are counted in 32 bits (kernels/marks.h). The bins of radius and
+ * time have the same limit. */
 cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const double bins = (scene->nr + 1.0) * (scene->nz + 2.0), most = 67108863;
@@ -47,7 +48,8 @@ cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const stru
                           "at most 67108863 bins, (nz + 2) times (nr + 1)");
 }
 
-/* The name must be valid as that of an output, and has no folder: the file lies beside the result. */
+/* Reads a `photons` line. The name must be one that an output may have, without a folder, because the file
+ * lies beside the result. */
 cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_saved_def *saved = &scene->saved;

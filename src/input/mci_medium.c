@@ -65,6 +65,8 @@ enum cml_key_group cml_mci_phase_keys(const struct cml_phase *phase)
     return phase ? keys[phase->kind] : CML_KEYS_NONE;
 }
 
+/* Reads the kind and the numbers of a phase function, or the file of a table. kind, number: the layer or body
+ * in messages. */
 static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, int number,
                              struct cml_phase *phase)
 {

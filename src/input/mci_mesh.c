@@ -14,8 +14,8 @@ cml_status cml_mci_mesh_units(const struct cml_mci_line *line, struct cml_obj_op
     return CML_OK;
 }
 
-/* The ending of the name decides how a file is read. Formats of 3D printers (.stl, .ply) have no reader here.
- */
+/* Finds the format of a mesh by the ending of its file name. Formats of 3D printers (.stl, .ply) cannot be
+ * read, so the message advises to convert them. */
 cml_status cml_mci_mesh_name(const struct cml_mci_line *line, const char *name, enum cml_mci_mesh_file *kind)
 {
     static const char *const endings[] = {".obj", ".gsf", ".asc"};

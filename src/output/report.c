@@ -251,8 +251,8 @@ static void print_parts(FILE *stream, const struct cml_result *result)
 
 #define LEAST_TRAPPED 1e-6 /* least share of the light that is reported as trapped */
 
-/* Prints the share of light in packets that were given up (P9); no total has it. Nobody knows whether this
- * light was trapped for ever, or would have come out later. */
+/* Prints the share of light in packets that were given up (P9), which no total includes. Nobody knows whether
+ * this light was trapped for ever, or would have come out later. */
 static void print_trapped(FILE *stream, const struct cml_result *result)
 {
     const double share = cml_result_share(result, CML_BALANCE_TRAPPED);
@@ -295,7 +295,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
                 report->flat_below);
 }
 
-/* Prints each rank's shares of its own time. */
+/* Prints for each rank the shares of its time that it flew, waited, asked for photons and summed results. */
 void cml_report_ranks(FILE *stream, const struct cml_timing *timing)
 {
     fprintf(stream, "  %4s %14s %8s %8s %8s %8s\n", "rank", "photons", "flying %", "idle %", "asking %",

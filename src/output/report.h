@@ -72,8 +72,9 @@ CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char 
 /* Frees the outcome and the list of files. */
 void cml_report_clear(struct cml_report *report);
 
-/* Makes the record of a run: of one just written; or again from the record of a finished run, for a result
- * that now lies in `path`. The caller clears *record. */
+/* Make the record of a run. cml_report_record: the run has just been written. cml_report_record_again: the
+ * run was finished earlier with the record `before`, and its result now lies in `path`. The caller clears
+ * *record. */
 CML_NODISCARD cml_status cml_report_record(const struct cml_report *report, struct cml_record *record,
                                            struct cml_error *err);
 CML_NODISCARD cml_status cml_report_record_again(const struct cml_scene *scene, const char *path,
@@ -165,7 +166,7 @@ CML_NODISCARD cml_status cml_report_exact_json(FILE *stream, const struct cml_sc
  * (its flat twin). */
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);
 
-/* The size of a sweep; zeroed: no sweep. */
+/* The size of a sweep. Zeros mean that there is no sweep. */
 struct cml_sweep_size {
     int rows, flights;
 };

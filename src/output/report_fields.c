@@ -279,9 +279,9 @@ static void add_outside(struct cml_field_list *c, enum cml_quantity quantity, en
               cml_result_once_sum(last, na, r->layout.once[array]) * (CML_WEIGHT_UNIT / (double)r->photons));
 }
 
-/* Adds a field of the map or of the volume. All pixels and voxels have one size, which is in the scale. A
- * pixel without angles is the sum of its angles. The groups of a voxel of phi_xyz are neighbours in memory.
- */
+/* Adds a field of the map or of the volume. All pixels and all voxels have one size, by which source->scale
+ * divides. A map without angles sums the angles of each pixel. Only phi_xyz has the groups of a voxel side by
+ * side in memory. */
 static void add_cells(struct cml_field_list *c, enum cml_quantity quantity, enum cml_array array)
 {
     const struct cml_result *r = c->report->sums;
@@ -344,7 +344,8 @@ static size_t num_facets(const struct cml_report *report, int b)
     return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
 }
 
-/* Returns the scores of the first facet of boundary b; b one too large: those of the first body. */
+/* Returns the scores of the first facet of boundary b. If b is the number of boundaries, returns those of the
+ * first body. */
 static const cml_u128 *facets_of(const struct cml_report *report, int b)
 {
     size_t first = 0;
@@ -405,8 +406,8 @@ static void along_facets(struct cml_field_list *c, int b)
     field->num_axes = is_plane(c->report, b) ? 2 : 1;
 }
 
-/* The axis is as long as the drawing has faces; a table has one value per facet, a picture per_facet values.
- */
+/* Adds the fields of the facets of boundary b along one axis. A table has one value per facet. A picture
+ * repeats each value per_facet times, once for every face that draws the facet. */
 void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
 {
     const size_t facets = num_facets(c->report, b);
@@ -459,8 +460,8 @@ void cml_add_shape_field(struct cml_field_list *c, int b, const char *prefix)
 
 /* ---- bodies ---- */
 
-/* Adds the scores of the facets of bodies; or with `face` those of the faces that stand for them, without the
- * word body in their names. */
+/* Adds the scores of all facets of bodies. With `face`, adds one value for each face of a drawing in place of
+ * each facet, and leaves the word body out of the names. */
 static void add_body_scores(struct cml_field_list *c, const struct cml_body_face *face)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {

@@ -12,8 +12,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Returns the length of a path without .mco or .h5, in small letters or capitals: on a file system that does
- * not tell them apart two runs would write the same file. */
+/* Returns the length of a path without its ending .mco or .h5. Capitals count as small letters, because on a
+ * file system that does not distinguish them two runs would write the same file. */
 static size_t stem_length(const char *path)
 {
     const size_t length = strlen(path);
@@ -116,8 +116,8 @@ cml_status cml_report_each_file(const struct cml_scene *scene, const struct cml_
 {
     const struct visit v = {path, each, context};
     char suffix[64];
-    if (cml_file_is_device(path))
-        return visit(&v, CML_FILE_TABLE, 0, NULL, err); /* a device has no files beside it */
+    if (cml_file_is_device(path)) /* nothing lies beside the result on a device like /dev/null */
+        return visit(&v, CML_FILE_TABLE, 0, NULL, err);
     CML_TRY(visit_tables(&v, scene, asks, err));
     if (scene->map.nx > 0) CML_TRY(visit(&v, CML_FILE_MAP, 0, ".map.vti", err));
     if (scene->map.volume && (asks->absorption || scene->fluence.line))
@@ -172,7 +172,8 @@ static cml_status write_h5(struct cml_report *report, const char *path, struct c
     return cml_h5_write(path, &report->outcome, &more, err);
 }
 
-/* Fills the list with the fields of the map and of the facets of planes, which are pixels, too. */
+/* Fills the list with the fields of the map, and of the boundaries that are planes: facets of a plane are the
+ * pixels of the map. */
 static void fill_map(struct cml_field_list *list)
 {
     const struct cml_surface_set *surfaces = list->report->surfaces;
@@ -185,8 +186,8 @@ static void fill_map(struct cml_field_list *list)
     }
 }
 
-/* Returns position and size of an image. Images lie where the scene has them, z down; that of a detector at
- * the depth it is focused on. */
+/* Returns position and size of an image in the frame of the scene (z down). The image of a detector lies at
+ * the depth that the detector is focused on. */
 static struct cml_image image_of(const struct cml_scene *scene, const struct cml_report_file *file)
 {
     const struct cml_map_def *map = &scene->map;
@@ -244,6 +245,7 @@ static cml_status write_mco(const struct cml_report *report, const char *path, s
     return cml_mco_write(path, &outcome, err);
 }
 
+/* Writes a file with the writer of its content. */
 static cml_status write_file(struct cml_report *report, const struct cml_report_file *file, const char *path,
                              struct cml_error *err)
 {
@@ -301,8 +303,8 @@ static double image_bytes(const struct cml_tally_grid *grid, double numbers)
     return 1.01 * bytes + fmin(bytes, 32 * mib);
 }
 
-/* Returns the numbers of all quantities that are held as a whole; each has an error. MCML's arrays of
- * absorption are always there. */
+/* Returns how many numbers all quantities that are held as whole arrays have together. Absorption by depth
+ * always counts, because an .mco contains it even if it is not tallied. */
 static double numbers_of(const struct cml_tally_grid *grid)
 {
     const struct cml_layout layout = cml_layout_of(grid, CML_OF_RESULT);
@@ -313,10 +315,11 @@ static double numbers_of(const struct cml_tally_grid *grid)
     return numbers;
 }
 
-/* Counts quantities in double precision, the text of the .mco, and the writers' buffers. A boundary or a body
- * has a line in the .mco and one in the JSON record; the longer counts. A growing stream in memory holds
- * three times its text [glibc, libio/strops.c: doubled, and copied]. Media and fluxes of bodies fit in as
- * well, because the text is held once. */
+/* Sums the memory of the quantities in double precision with their errors, of the text of the .mco, and of
+ * the buffers of the writers. A boundary or a body has a line in the .mco and one in the JSON record, and the
+ * longer of the two counts. A growing stream in memory holds three times its text, which is doubled and
+ * copied [glibc, libio/strops.c]. The text is held only once, so media and fluxes of bodies fit in as
+ * well. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_tally_grid *grid)
 {
     const double line_of_boundary = 250, line_of_body = 250;

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The main result comes first, as it was written first. */
+/* Returns the names of all files written, the main result first. */
 static json_t *files_json(const struct cml_report *report)
 {
     json_t *list = json_array();

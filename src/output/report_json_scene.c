@@ -88,7 +88,8 @@ static json_t *keys_json(enum cml_key_group group, const void *base)
     return object;
 }
 
-/* Sets the sizes of a beam in the order of its line. `z` is null if packets start above all surfaces. */
+/* Returns beam k as an object with the keys of its line. `size` has the numbers behind the shape. `z` is null
+ * if packets start above all surfaces. */
 json_t *cml_json_beam(const struct cml_json_subject *subject, int k)
 {
     static const int sizes[] = {0, 1, 1, 2, 2, 2};
@@ -174,7 +175,8 @@ static json_t *layer_json(const struct cml_json_subject *subject, int l)
     return with_phase(object, medium->phase);
 }
 
-/* Sets the sizes of a detector in the order of its line: radii, lengths, or those of a pixel. */
+/* Returns detector k as an object. `size` has the radii or lengths in the order of the line; for a map, those
+ * of a pixel. */
 static json_t *detector_json(const struct cml_json_subject *subject, int k)
 {
     const struct cml_detector_def *d = &subject->scene->detectors[k];
@@ -233,6 +235,8 @@ static int print_list(FILE *stream, const struct cml_json_list *list, const stru
     return failed;
 }
 
+/* Prints an object member by member. A member that `lists` names is printed element by element, so that long
+ * lists are never held in memory. */
 static cml_status print_object(FILE *stream, json_t *object, const struct cml_json_list *lists,
                                size_t num_lists, const struct cml_json_subject *subject,
                                struct cml_error *err)

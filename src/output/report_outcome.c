@@ -56,6 +56,8 @@ static cml_status fill_bodies(const struct cml_scene *scene, struct cml_outcome 
     return CML_OK;
 }
 
+/* Copies the names of the detectors: one by one into o->detector, and joined by blanks into
+ * o->detector_names. */
 static cml_status fill_detectors(const struct cml_scene *scene, struct cml_outcome *o, struct cml_error *err)
 {
     const int count = scene->num_detectors;
@@ -187,7 +189,8 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
         if (cml_quantities[i].estimator == (by_mus ? CML_FROM_MUS : CML_FROM_MUA))
             status = take_column(&sums, quantity, k, scale, o, err);
     }
-    sums.num_detectors = 0; /* the names of detectors are not its own */
+    /* `sums` has no names of detectors that cml_outcome_clear could free */
+    sums.num_detectors = 0;
     cml_outcome_clear(&sums);
     cml_result_free(&result);
     return status;

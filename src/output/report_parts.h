@@ -16,7 +16,7 @@ CML_NODISCARD cml_status cml_report_faces(const struct cml_surface_def *def, str
  * coordinates (z down). */
 struct cml_body_face {
     int body;
-    size_t facet; /* number of the facet among those of all bodies */
+    size_t facet; /* number of the facet, counted over all bodies */
     double area;  /* area of this facet, cm2 */
 };
 struct cml_body_faces {

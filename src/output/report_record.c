@@ -25,8 +25,8 @@ static const struct {
     {CML_RECORDED_FLUXES, CML_QUANTITY_flux_body},
 };
 
-/* Adds all numbers to a record. NaN is the error of a number whose error is not known, such as sums over very
- * many facets. */
+/* Adds all numbers and their errors to a record. An error that is not known, such as that of sums over very
+ * many facets, is NaN. */
 static void record_numbers(const struct cml_outcome *o, struct cml_record *record)
 {
     for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++) {

@@ -115,6 +115,7 @@ static void print_host(FILE *stream, const struct cml_scene *scene, int host)
     fprintf(stream, ", in %s %d", body ? "body" : "layer", body ? host - scene->num_layers - 1 : host);
 }
 
+/* Prints the form of a body with its place and size, or the parts of its mesh. */
 static void print_shape(FILE *stream, const struct cml_scene_body *body, enum cml_report_reader reader)
 {
     const double *c = body->centre, *e = body->end;
@@ -134,6 +135,7 @@ static void print_shape(FILE *stream, const struct cml_scene_body *body, enum cm
                 e[2], body->radius);
 }
 
+/* Prints a line with the shape, the surface, the place and the medium of body k. */
 static void report_body(FILE *stream, const char *prefix, const struct cml_scene *scene,
                         const struct cml_body_surface *surface, int k, enum cml_report_reader reader)
 {
@@ -161,8 +163,8 @@ static void report_bodies(FILE *stream, const char *prefix, const struct cml_sce
         fprintf(stream, "%sand %d more bodies\n", prefix, scene->num_bodies - shown);
 }
 
-/* The text is part of the .mco file, whose bytes must not depend on the machine: it names nothing that was
- * measured. */
+/* Prints all boundaries and bodies as they are flown. The text is part of the .mco file, whose bytes must not
+ * depend on the machine, so it has no measured times. */
 void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, enum cml_report_reader reader)
 {
@@ -249,6 +251,7 @@ const char *cml_detector_word(const struct cml_detector_def *detector)
     return detector->shape == CML_DETECTOR_RING && detector->size[0] == 0 ? "disk" : words[detector->shape];
 }
 
+/* Prints a line with the shape, the place and the acceptance of a detector. */
 static void report_detector(FILE *stream, const char *prefix, const struct cml_detector_def *detector)
 {
     const double degrees = 180 / acos(-1.0), *size = detector->size;

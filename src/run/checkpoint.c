@@ -238,6 +238,8 @@ static const char *find_size(const char *line)
     return size;
 }
 
+/* Names the first line in which the two identities differ. For an input file of the same name, the message
+ * says that its contents differ. */
 cml_status cml_fail_other_run(const char *path, const char *theirs, const char *mine, const char *expected,
                               struct cml_error *err)
 {

@@ -229,7 +229,7 @@ cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error 
     return cml_cluster_share(*block, *size, err);
 }
 
-/* One call of MPI suffices: blocks are small (a report per rank). */
+/* Gathers the blocks with one call of MPI, because they are small (a report per rank). */
 cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct cml_error *err)
 {
     if (is_single()) {

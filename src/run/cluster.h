@@ -82,11 +82,11 @@ bool cml_cluster_stop_requested(void);
 /* Waits until all ranks have come to the synchronisation. */
 CML_NODISCARD cml_status cml_cluster_synchronise(struct cml_error *err);
 
-/* Between cml_cluster_alone(true) and cml_cluster_alone(false) a rank works by itself: every function here
- * behaves as for a single rank 0, except cml_cluster_local_rank, cml_cluster_local_size, cml_cluster_request,
- * cml_cluster_recall and cml_cluster_recalled. All ranks call cml_cluster_alone at the same place; none
- * waits. Local. cml_cluster_recall asks all ranks to end their own work soon; cml_cluster_recalled is true
- * from then on for ranks that work alone. */
+/* Lets a rank work by itself between cml_cluster_alone(true) and cml_cluster_alone(false). Every function
+ * here then behaves as for a single rank 0, except cml_cluster_local_rank, cml_cluster_local_size,
+ * cml_cluster_request, cml_cluster_recall and cml_cluster_recalled. All ranks call cml_cluster_alone at the
+ * same place, and none waits. cml_cluster_recall asks all ranks to end the work they do alone; from then on
+ * cml_cluster_recalled is true for ranks that work alone. All three are local. */
 void cml_cluster_alone(bool alone);
 void cml_cluster_recall(void);
 bool cml_cluster_recalled(void);

@@ -25,7 +25,7 @@ static struct {
     /* s; only the service thread advances it, and it stands still while the process is stopped */
     double clock;
     atomic_bool leaving;
-    /* the last request (see raise_requested), and the number of synchronisations held */
+    /* the last request (see raise_requested), and the number of synchronisations that have taken place */
     _Atomic uint64_t syncs_requested, syncs_done;
     /* held while the handler runs, so that the handler can be replaced safely */
     pthread_mutex_t handler_lock;
@@ -77,7 +77,8 @@ static cml_status wait_for(MPI_Request *call, struct cml_error *err)
     }
 }
 
-/* A call that failed to start returns its error, and nothing is waited for. */
+/* Releases the lock that the start of an MPI call needs, and waits until the call is complete. code: result
+ * of the start; if the start failed, its error is returned at once. */
 cml_status cml_cluster_complete(int code, MPI_Request *call, struct cml_error *err)
 {
     pthread_mutex_unlock(&cml_ranks.lock);
@@ -86,9 +87,9 @@ cml_status cml_cluster_complete(int code, MPI_Request *call, struct cml_error *e
 
 /* ---- the service thread ---- */
 
-/* Records a request for synchronisation. Synchronisations are numbered, so that a request that arrives late
- * or twice has no effect. A request is twice the number of the synchronisation, plus one if the run is to
- * stop there. */
+/* Records a request for synchronisation. `number` is twice the number of the synchronisation, plus one if the
+ * run is to stop there. Only the largest request is kept, so a request that arrives late or twice has no
+ * effect. */
 static void raise_requested(uint64_t number)
 {
     uint64_t known = atomic_load(&service.syncs_requested);
@@ -306,7 +307,8 @@ cml_status cml_cluster_synchronise(struct cml_error *err)
     return CML_OK;
 }
 
-/* Waits for a request that is being handled, so that the handler's data may be freed afterwards. */
+/* Replaces the function that answers requests of other ranks. Waits until a request under way is answered, so
+ * that the caller may free the old handler's data. */
 void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
 {
     /* nobody asks a rank that is alone, and rank 0 keeps its handler */

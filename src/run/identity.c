@@ -30,7 +30,8 @@ static void write_input(FILE *out, const struct cml_input *input)
     fprintf(out, "input %s of %zu bytes, crc32 %08lx\n", slash ? slash + 1 : path, input->size, sum);
 }
 
-/* Lists all input files in the order in which they were read: a changed mesh makes another run. */
+/* Writes a line for each input file, in the order in which the files were read. The line has a checksum, so a
+ * run with a changed mesh is another run. */
 cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, struct cml_error *err)
 {
     size_t size = 0;

@@ -13,8 +13,8 @@
 CML_NODISCARD cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text,
                                              struct cml_error *err);
 
-/* Returns the provenance of a run. flat: shapes are ignored. Only this function knows where the options that
- * decide bits are kept. */
+/* Returns the provenance of a run: the values of all options that change the bits of results. flat: shapes
+ * are ignored. Only this function knows where these options are kept. */
 struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
                                          const struct cml_surface_options *surface, bool flat);
 

@@ -238,7 +238,7 @@ static cml_status add_parts(const struct cml_run_setup *setup, struct cml_part_f
     return check_twice(setup, files, err);
 }
 
-/* The seconds of the result are those of all parts together. */
+/* Adds up the parts of a run. The time of the result is the sum of the times of all parts. */
 cml_status cml_run_join(const struct cml_run_setup *setup, struct cml_part_files *files, bool alone,
                         struct cml_run_result *out, struct cml_error *err)
 {

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* OMPI_COMM_WORLD_SIZE is set by Open MPI; PMI_RANK by MPICH, Intel MPI and srun --mpi=pmi2; PMIX_RANK by
- * srun --mpi=pmix. */
+/* True if an MPI launcher has started this process. Open MPI sets OMPI_COMM_WORLD_SIZE; MPICH, Intel MPI and
+ * srun --mpi=pmi2 set PMI_RANK; srun --mpi=pmix sets PMIX_RANK. */
 bool cml_launcher_found(void)
 {
     static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_RANK", "PMIX_RANK", NULL};
@@ -34,8 +34,8 @@ static int number_started(const char **variable)
     return 1;
 }
 
-/* A single rank is right for a process that was started alone, and for a batch script that runs the program
- * without srun. */
+/* Refuses a single rank if the launcher started several processes: each of them would fly the whole run. A
+ * process that was started alone, or by a batch script without srun, is one rank. */
 cml_status cml_launcher_check(int size, struct cml_error *err)
 {
     const char *variable = NULL;

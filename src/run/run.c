@@ -30,7 +30,7 @@ enum next_step { CONTINUE, FINISHED, STOPPED };
 struct hand {
     /* held around the range, and `work` and `report` of the flight, while the engine runs */
     pthread_mutex_t lock;
-    struct cml_range range;  /* the range as it was taken; empty when rank 0 knows that it is flown */
+    struct cml_range range;  /* the range from rank 0; empty once rank 0 knows that it is flown */
     struct cml_range left;   /* the rest of the range, which threads have not taken yet */
     double replied;          /* time when the range was taken */
     uint64_t room;           /* packets that the engine's tallies can still take */
@@ -61,8 +61,8 @@ struct flight {
  * times before a cell of a tally overflows. */
 #define MOST_AGAIN ((uint64_t)1 << 24)
 
-/* Returns the packets of one call of the engine, which ends when its tallies are full. Few calls are best,
- * because all threads wait for each other between two. */
+/* Returns how many packets one call of the engine may fly before its tallies are full. Calls should be few,
+ * because all threads wait for each other after each one. */
 static uint64_t room_of_tallies(const struct cml_tally_grid *grid)
 {
     return grid->facets || grid->marks > 0 ? MOST_AGAIN : CML_TALLY_MAX_PHOTONS;
@@ -74,7 +74,7 @@ static uint64_t flown_of(const struct hand *hand)
     return hand->range.count - hand->left.count;
 }
 
-/* Returns the photons whose tallies are complete at the end: of the run, or of the part. */
+/* Returns how many photons the final tallies contain: those of the run, or of its part. */
 static uint64_t all_photons(const struct flight *flight)
 {
     const struct cml_run_state *state = &flight->state;
@@ -420,7 +420,7 @@ static void note_lost_result(const struct cml_run_setup *setup, enum cml_run_int
     setup->on_note(setup->context, text);
 }
 
-/* True if a checkpoint of the run's identity is of the same part, or neither is of a part. */
+/* True if a checkpoint with the identity of the run is of the same part, or if neither is a part. */
 static bool is_same_part(const struct cml_run_setup *setup, const struct cml_run_state *state)
 {
     const struct cml_part *part = &setup->part;

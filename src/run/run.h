@@ -24,7 +24,7 @@ struct cml_run_setup {
     const struct cml_engine *engine;
     struct cml_engine_options options;
     uint64_t photons;
-    /* Share of the last round that is flown, into a checkpoint of its own; count 0: all of it. */
+    /* Part of the last round to be flown, with a checkpoint of its own; count 0: the whole round. */
     struct cml_part part;
     /* For a part, the command line of the whole run, as cml_checkpoint_write takes it. */
     const char *call;

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BLOCK_BYTES ((size_t)1 << 18) /* bytes of rows that a rank sends at a time; at least one row */
+/* bytes of rows that a rank sends in one message; a longer row is sent alone */
+#define BLOCK_BYTES ((size_t)1 << 18)
 
 /* Head of the message with which a rank sends saved packets; the rows stand behind it. */
 struct block {

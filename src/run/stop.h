@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-/* Makes the write fail, with a message and an exit code, when a pipe has no reader or a file may not grow;
- * the default would end the process silently. */
+/* Ignores SIGPIPE and SIGXFSZ, which would end the process silently when a pipe has no reader or a file may
+ * not grow. The write then fails instead, with a message and an exit code. */
 void cml_stop_ignore(void);
 
 /* Ends the process without a message, as a pipe without a reader does by default: exit code 128 + SIGPIPE. */

@@ -9,17 +9,17 @@
 #define FIRST_WANT 1024  /* packets of a rank's first range, when its speed is not known yet */
 #define LEAST_PIECE 4096 /* packets: smaller pieces leave threads and vector lanes without work */
 
-/* Returns the seconds that a range shall take. Rank 0 can answer some 1e5 requests per second; at this pace
- * 1e4 ranks send 1e4 per second. A piece shall take 25 times its overhead, and a range at least two pieces.
- */
+/* Returns the seconds that flying a range should take. With 1e4 ranks or more a range takes 1e-4 s per rank:
+ * rank 0 then gets 1e4 requests per second and can answer some 1e5. A piece should take 25 times its
+ * overhead, and a range holds at least two pieces. */
 static double target_seconds(const struct cml_work_ranges *work)
 {
     return fmax(0.5, fmax(1e-4 * cml_cluster_size(), 50 * work->overhead));
 }
 
-/* Returns half of the rank's share of the photons left, but no more than it wants. Shares are in proportion
- * to what ranks last wanted, and hence to their speeds. A range is not smaller than a sixteenth of what was
- * wanted: the requests would cost more than they save in waiting. */
+/* Returns half of the rank's share of the photons left, but no more than the rank wants. Shares are in
+ * proportion to what ranks last wanted, and hence to their speeds. A range has at least a sixteenth of what
+ * was wanted, because requests for smaller ranges would cost more than they save in waiting. */
 static uint64_t fair_count(struct cml_work_ranges *work, int rank, uint64_t want)
 {
     if (cml_cluster_size() == 1) return want;
@@ -31,8 +31,8 @@ static uint64_t fair_count(struct cml_work_ranges *work, int rank, uint64_t want
     return fair > least ? fair : least;
 }
 
-/* Takes a range for any rank, on rank 0. Once no photon is left all ranks must synchronise, since some may
- * still give indices back. */
+/* Takes a range for any rank, on rank 0. If no photon is left, requests a synchronisation of all ranks,
+ * because ranks that stop return photons there. */
 static struct cml_range take(struct cml_work_ranges *work, int rank, uint64_t want, uint64_t flown)
 {
     struct cml_range range = {0};
@@ -55,8 +55,8 @@ static void reply_to(void *context, int rank, const struct cml_work_request *req
     reply->count = range.count;
 }
 
-/* Gives all ranks the same small first range, because their speeds are not known yet; all_wants is the sum of
- * these. */
+/* Gives all ranks the same small first range, because their speeds are not known yet. all_wants becomes the
+ * sum of the first ranges. */
 cml_status cml_work_open(struct cml_work_ranges *work, struct cml_ranges *open, struct cml_error *err)
 {
     const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
@@ -76,7 +76,7 @@ void cml_work_close(struct cml_work_ranges *work)
     free(work->wants);
 }
 
-/* Rank 0 serves itself without a message. */
+/* Takes a range for this rank. Rank 0 needs no message for its own ranges. */
 cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cml_range *range,
                          struct cml_error *err)
 {
@@ -91,21 +91,24 @@ cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cm
     return CML_OK;
 }
 
-/* Keeps the least overhead seen: longer ones were held up by other work. */
+/* Keeps the smallest overhead measured, because larger ones include delays by other work. */
 void cml_work_batch_ended(struct cml_work_ranges *work, double seconds)
 {
-    const double overhead = 2 * seconds; /* clearing or gathering the tally costs about as much again */
+    /* twice the time for adding a tally, because clearing or gathering it costs as much again */
+    const double overhead = 2 * seconds;
     if (work->overhead <= 0 || overhead < work->overhead) work->overhead = overhead;
 }
 
-/* Returns the packets of a piece: a quarter of a range at most, but not less than 25 times the overhead. */
+/* Returns the number of packets in a piece. A piece takes 25 times the overhead, but at least a quarter of
+ * the range. */
 uint64_t cml_work_piece(const struct cml_work_ranges *work)
 {
     const double pieces = fmin(4, target_seconds(work) / (25 * work->overhead));
     return (uint64_t)fmax(LEAST_PIECE, (double)work->want / pieces);
 }
 
-/* Returns 0 for several ranks: others may take what is open, so a rank is sure only of its range in hand. */
+/* Returns the number of photons that no rank has taken yet. Returns 0 if there are several ranks: other ranks
+ * may take these photons, so a rank is sure only of the range it holds. */
 uint64_t cml_work_open_count(const struct cml_work_ranges *work)
 {
     if (cml_cluster_size() > 1) return 0;
@@ -151,8 +154,9 @@ static cml_status collect(struct cml_work_ranges *work, const struct returned *a
     return CML_OK;
 }
 
-/* Agrees on the status before and after the gather: a rank without memory must not leave the others waiting
- * in it. */
+/* Gathers on rank 0 what each rank has flown and left over. All ranks agree on a status before the gather,
+ * because a rank without memory would leave the others waiting in it, and after it, because rank 0 may run
+ * out of memory. */
 cml_status cml_work_return(struct cml_work_ranges *work, struct cml_range left, uint64_t flown, bool *stop,
                            struct cml_error *err)
 {

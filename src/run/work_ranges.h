@@ -1,5 +1,5 @@
-/* Deals photon indices out to ranks: ranges, handed out on request. Rank 0 keeps the indices that nobody has
- * flown. Every rank, rank 0 too, takes the next range when it has flown its last, so ranks may be of any
+/* Distributes photon indices over ranks, in ranges that ranks ask for. Rank 0 keeps the indices that nobody
+ * has flown. Every rank, rank 0 too, takes the next range when it has flown its last, so ranks may be of any
  * speed. A range lasts about half a second on its rank, judged by the rank's last ranges. When few photons
  * are left, a range is half of the rank's share of them, by speed, so that all ranks finish together (after
  * guided self-scheduling, Polychronopoulos and Kuck 1987). A rank that becomes slow costs the others at most
@@ -43,14 +43,14 @@ void cml_work_close(struct cml_work_ranges *work);
 CML_NODISCARD cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cml_range *range,
                                        struct cml_error *err);
 
-/* Returns the packets to fly between two tests for a requested synchronisation: about a quarter of a range,
- * with a lower bound, and more where large tallies make pieces expensive. */
+/* Returns how many packets to fly between two tests for a requested synchronisation: about a quarter of a
+ * range, but at least a fixed number, and more if large tallies make pieces expensive. */
 uint64_t cml_work_piece(const struct cml_work_ranges *work);
 
 /* Records the seconds it took to add the tally of a batch to the result. */
 void cml_work_batch_ended(struct cml_work_ranges *work, double seconds);
 
-/* Returns the packets that this rank is sure to get after those in hand. */
+/* Returns how many packets this rank is sure to get after its current range; 0 if there are several ranks. */
 uint64_t cml_work_open_count(const struct cml_work_ranges *work);
 
 /* Returns the packets flown by all ranks since the beginning, as far as rank 0 was told; meaningful on rank

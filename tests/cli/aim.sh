@@ -50,7 +50,7 @@ grep -Eq '^  A of layer 3 0\.[0-9]+ \+- [0-9.e-]+ expected' "$work/out" || compl
 expect_code 0 "$work/x.mci" --aim Tt --seed 2 --quiet -o "$work/a"
 of() { whole "$2" | sed -n "/^$1 #/{n;p;}"; }
 
-# compare tests expected values; a sweep has them in its tables; plan prints them beside Tt.
+# Expected values are tested by `compare`, stand in the tables of a sweep, and are printed by `plan` beside Tt.
 expect_code 0 compare "$work/a/x.mco" "$work/c/x.mco"
 grep -q '^Tt_expected 1 bins in 1 tests, worst z ' "$work/out" && grep -q '^A_l_expected 3 bins in 4 tests, .* at ' "$work/out" ||
     complain "compare: $(cat "$work/out")"

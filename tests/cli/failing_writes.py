@@ -96,7 +96,7 @@ class Work:
         return files
 
     def faults(self, whole):
-        """Returns a list of (call, which of all calls of its kind, + or nothing, reason)."""
+        """Yields faults (call, n, "+" or "", reason): the n-th call of this kind fails for this reason; with "+" all later ones fail, too."""
         for call, reasons in CALLS.items():
             names = [name for made, name in self.calls if made == call and not name.endswith(".lock")]
             ends = {names.index(name) for name in names} | {len(names) - 1 - names[::-1].index(name) for name in names}

@@ -158,7 +158,7 @@ expect_error 2 "--part: /dev/null is no file (expected a result in a file)" thic
 expect_error 2 "--part: the command line is too long or has a line break (expected at most 4095 bytes in one line)" thick.mci --part 1/2 --set "layer1.mua=1
 "
 
-# Each of several runs in one file is complete or named.
+# `merge` needs all parts of every run of a file; the message names a run without parts.
 for k in 1 2; do expect_code 0 "$root/samples/two_runs.mci" --photons 100 --part $k/2 --quiet; done
 expect_code 2 merge two_runs_flat.mco.part*
 grep -q '^clustermcml: two_runs_hill.mco: no part of it (expected all its parts)$' err || complain "half of the runs: $(cat err)"

@@ -219,7 +219,8 @@ for columns, bar in ((0, 79), (80, 79), (60, 59), (200, None), (30, None), (8, N
             sys.exit(f"{columns} columns: {line!r}")
 END
 
-# Gates of 3 media: 21844 and one for later light are few enough.
+# Arrays of gates and media have at most 65536 cells. With 3 media and one gate for later light, 21844 gates fit; one more
+# leaves out the arrays, with a note.
 for gates in 21844 21845; do
     scene times.mco "" "time 100 $gates"
     sed -i '/^$/d' "$work/scene.mci"

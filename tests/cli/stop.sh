@@ -41,7 +41,8 @@ run.stdout.read()
 sys.exit(run.wait() != 75)
 E2
 
-# While surfaces are tried as planes there is nothing to save in a checkpoint: a signal ends the program at once.
+# Before the flight, --tolerance computes which surfaces may be planes. A checkpoint would have no content yet, so a signal
+# ends the program at once.
 "$program" samples/shapes/hihill.mci --tolerance 1e-5 --photons 1e8 --threads 1 -o "$work" >"$work/out" 2>"$work/err" &
 run=$!
 until test -e "$work/hihill.lock" || ! kill -0 $run; do sleep 0.02; done

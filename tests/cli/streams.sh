@@ -77,7 +77,8 @@ for words in "$scene --photons 1000 --json -o $work" 'trace samples/thick.mci 3'
 done
 rm "$work"/*
 
-# Full disks: the size of files is limited from 8 kB to that of the result. An incomplete file does not appear.
+# Full disks: a limit on the size of files takes their place. It doubles from 8 kB until the result fits. An incomplete file
+# never appears under its name.
 mkdir "$work/disk"
 full() { # SCENE FILE
     rm -f "$work/disk"/*

@@ -61,7 +61,7 @@ grep -v '^# User time' "$work/ripple.mco" >"$work/one"
 choice --seed 4 --threads 3 >"$work/none"
 grep -v '^# User time' "$work/ripple.mco" | cmp -s - "$work/one" || complain "3 threads: other bits"
 
-# A stopped run goes on with the same surfaces. The run may have ended before the signal came.
+# A stopped run continues with the same surfaces. The signal may also come after the end of the run.
 long="$work/ripple.mci --tolerance 0.05 --photons 1e6 -o $work"
 expect_code 0 $long --quiet
 grep -v '^# User time' "$work/ripple.mco" >"$work/one"

@@ -200,11 +200,9 @@ static struct cml_vec place_on_surface(const struct bench *bench, struct cml_vec
     return cml_vec_of(p.x, p.y, hit.point[2]);
 }
 
-/* Tests that packets that head away from a surface, above their horizon, cannot meet it from anywhere on
- * their side.
- *
- * Most horizons are lower than the steepest part of the surface. lowered: least share, among packets found
- * to get away, of those flatter than that part. */
+/* Tests that packets that leave a surface more steeply than its horizon (a bound of the slope of all that may
+ * lie ahead) meet it from nowhere on their side. Most horizons are lower than the steepest part of the
+ * surface. lowered: least share, among packets found to get away, of those flatter than that part. */
 static void expect_horizons(const char *line, double reach, double lowered)
 {
     struct bench bench;

@@ -185,7 +185,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
         list.scenes[i].directions = (struct cml_directions_def){.nt = 9, .np = 12};
         list.scenes[i].fluence.line = 1;
         struct cml_scene *s = &list.scenes[i];
-        if (s->map.nx == 0) /* voxels from above the grid on */
+        if (s->map.nx == 0) /* adds voxels that begin 1.5 dz above the grid */
             s->map = (struct cml_map_def){5, 4, 20 * s->dr, 30 * s->dr, false, true, -1.5 * s->dz, 0};
         compare(&list.scenes[i], kind, photons / 4, false, TAIL);
     }

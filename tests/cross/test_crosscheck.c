@@ -7,7 +7,7 @@
 
 static const char *const scene = "1.0\n1\nscene A\n1000\n0.01 0.02\n20 30 10\n1\n1\n1.4 1 20 0.5 0.2\n1\n";
 
-static uint64_t period;     /* step between changed packets */
+static uint64_t period;     /* every packet whose index is a multiple of this is changed */
 static uint32_t more_steps; /* interactions that are added to a changed packet */
 static double more_absorbed;
 

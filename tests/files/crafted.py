@@ -218,7 +218,7 @@ def a_chunk_longer_than_its_array(file):
     replace(file, "Rd_xy", (20, 30), "<f4", chunks=(20, 30), data=values)
     file["Rd_xy"].dims[0].attach_scale(file["y"])
     file["Rd_xy"].dims[1].attach_scale(file["x"])
-    return [struct.pack("<IIQQQ", size, 0, 0, 0, 0) for size in (2400, 60000)]  # the key of the chunk in its tree
+    return [struct.pack("<IIQQQ", size, 0, 0, 0, 0) for size in (2400, 60000)]  # the chunk's key in its B-tree, and a key that says 60000 bytes in its place
 
 
 @case("plot", f"Rd_xy {CHUNK}")

@@ -12,8 +12,8 @@ import sys
 MOST_FILES = 24
 MORE_FILES = {"kernels": "what a rule says stands in a file of its own, and devices and hosts have theirs"}  # {room: reason why it may have more files}
 
-# Rooms from the lowest to the highest. A room may use itself and the rooms that it names. A folder is one room, but for the
-# files named here.
+# Rooms from the lowest to the highest. A room may use itself and the rooms that it names. A folder is one room, except
+# for its files that are rooms of their own here.
 ROOMS = {
     "kernels": "",
     "src/base": "",

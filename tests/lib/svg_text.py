@@ -120,7 +120,7 @@ def check_the_check():
     assert faults(first, ("translate(72,50) rotate(-90)", "bbbbb")) == 0
     assert faults(first, ("translate(66,50) rotate(-90)", "bbbbb")) == 1
     assert faults(first, paper="") == 1
-    # matplotlib writes texts like this
+    # texts with a style, as matplotlib writes them
     def styled(*turns):
         body = "".join(f'<text style="font: 10px \'DejaVu Sans\'; text-anchor: middle" x="50" y="50" transform="rotate({turn} 50 50)">aaaaa</text>'
                        for turn in turns) + '<path d="M 0 100 L 100 100 L 100 0 L 0 0 z" style="fill: #ffffff"/>'

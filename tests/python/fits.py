@@ -70,7 +70,7 @@ class Fits(unittest.TestCase):
                 self.assertLess(abs(found.values[name] - value), 4 * found.errors[name], name)
                 self.assertLess(found.errors[name], 0.2 * value, name)
             self.assertEqual(found.degrees, degrees)
-        self.assertLess(again.chi2, 22)  # of 5 degrees of freedom: chi square is above 22 once in 2000 cases
+        self.assertLess(again.chi2, 22)  # chi square with 5 degrees of freedom is above 22 in 1 of 2000 cases
         self.assertEqual(again.prediction["Rd_r"].shape, (6,))
         self.look_at_the_picture(again)
 

@@ -350,7 +350,7 @@ class Runs(unittest.TestCase):
         self.assertGreater(mine.attrs["steps"], 3000)
 
     def test_nothing_stays_without_a_folder(self):
-        with unittest.mock.patch.object(tempfile, "tempdir", self.folder):  # other processes make such folders in the common one
+        with unittest.mock.patch.object(tempfile, "tempdir", self.folder):  # a folder of its own: other processes make folders in the common one
             mc.run(mc.Scene([SLAB], photons=100))
         self.assertEqual(os.listdir(self.folder), [])
 
@@ -408,7 +408,7 @@ class Runs(unittest.TestCase):
         self.assertEqual([text for text in refused if "scene.mci: locked by another call" not in text], [])
 
     def test_another_process_in_the_folder(self):
-        """Another process in the folder makes a call fail at once. If the process was killed, it is no obstacle."""
+        """Another process in the folder makes a call fail at once. After that process was killed, the call succeeds."""
         script = ("import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"
                   "mc.run(mc.Scene([mc.Layer(1.4, 0, 1000, 0.9, 1)], photons=1e8), output_dir=sys.argv[2])")
         scene = mc.Scene([SLAB], photons=200)

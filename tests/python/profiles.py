@@ -62,7 +62,7 @@ class Flights(unittest.TestCase):
         shares = np.diff(below)[:200].reshape(20, 10).sum(axis=1)  # groups of ten bins; the bins themselves may have other widths in both profiles
         mine = (a.S * 2 * np.pi * a.r * width / a.Rd).values[:200].reshape(20, 10).sum(axis=1)
         error = np.sqrt(((a.S_se * 2 * np.pi * a.r * width / a.Rd).values[:200].reshape(20, 10) ** 2).sum(axis=1) * 2)
-        self.assertLess((((mine - shares) / error) ** 2).sum(), 45)  # of 20 degrees of freedom: one value in 1000 is above
+        self.assertLess((((mine - shares) / error) ** 2).sum(), 45)  # chi square with 20 degrees of freedom is above 45 in 1 of 1000 cases
 
     def test_rounds_until_the_noise_is_small(self):
         one = mc.profile(slab(), target_error=None)

@@ -25,7 +25,7 @@ import slabs  # noqa: E402
 
 RUNS, PACKETS = 800 if "ALL_CASES" in os.environ else 400, 300
 WIDER = (800 / RUNS) ** 0.5
-SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # the runs write many files, each of them synced
+SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # a folder in memory: the runs write many files and wait for the disk after each
 TOTALS, PROFILES = ["Rd", "A", "Tt"], ["A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a"]
 THIN = {"layers": ["1.34 0.1 1 0.5 0.1"], "grid": "0.01 0.02", "bins": "10 10 8"}
 HILL = {"layers": ["1.3 1 1 0 1"], "grid": "0.1 0.1", "bins": "10 10 8",

@@ -119,7 +119,7 @@ def planes(verdict):
 
 
 def time(verdict):
-    """Tests that light that comes back has flown its way first: none before that time, all after it."""
+    """Tests that light returns no earlier than it takes to fly from the distant lamp to the medium, and soon after."""
     way = 3e5 / 0.0299792458
     code, record, said = fly(scene(1000, None, "beam pencil z=-3e5", (f"time {1.01 * way:.9g} 101",)))
     verdict.check("time", code == 0, f"exit {code}: {said}")

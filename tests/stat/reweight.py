@@ -110,7 +110,7 @@ def against_own(verdict, name, text, rows, seed):
             for key in SEEN if SEEN[0] in theirs else ():
                 for k, (value, error, truth, truth_error) in enumerate(
                         zip(*(one[before + key] for one in (sections, theirs) for before in ("", "se_")), strict=True)):
-                    if error or truth_error:  # no light comes to this medium
+                    if error or truth_error:  # without errors there is no light in this medium, and nothing to compare
                         verdict.z(f"{name} {i + 1} {key} {k}", value, error, truth, truth_error)
             depths_z(verdict, f"{name} {i + 1}", record, sections, theirs)
             for key in ("Rd_r", "Rd_a") + (("Tt_r", "Tt_a") if record["Tt"] else ()) + (PLACES if PLACES[0] in theirs else ()):

@@ -41,7 +41,7 @@ class Body:
 @dataclass
 class Scene:
     name: str
-    layers: list  # n mua mus g d of each
+    layers: list  # "n mua mus g d" of each layer
     rough: list  # one per boundary: "", or kind and alpha
     n: tuple = (1, 1)
     beam: dict = field(default_factory=dict)  # keys: at, z, angle, azimuth, disk, light

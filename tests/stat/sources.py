@@ -152,7 +152,7 @@ def places(verdict):
     cases = [("ring", "ring 0.1 0.2", ring), ("rectangle", "rectangle 0.3 0.1", rectangle), ("image", 'image "p.gsf"', image)]
     for name, shape, quantile in cases:
         for at, angle, azimuth, z in (((0, 0), 0, 0, 0), ((0.1, 0.06), 50, 30, 0), ((-0.1, 0.06), 30, 120, -0.3)):
-            moved = math.tan(math.radians(angle)) * z  # a shape at depth z goes through z = 0 further on
+            moved = math.tan(math.radians(angle)) * z  # horizontal shift between the depth z, where the light starts, and z = 0, where it must arrive at `at`
             start = [at[0] + moved * math.cos(math.radians(azimuth)), at[1] + moved * math.sin(math.radians(azimuth))]
             level = f"z={z}" if z else ""
             beam = f"beam {shape} at={start[0]:.9f},{start[1]:.9f} angle={angle} azimuth={azimuth} {level}"

@@ -63,8 +63,8 @@ static int first_shape(const struct cml_scene *scene)
     return -1;
 }
 
-/* Notes a pencil on a rough surface: its results are those of the one point it meets. Rings about the axis
- * are left out, because a pencil on them is meant for their middle. */
+/* Notes a pencil on a rough surface, because all results are of the one point that the pencil meets. Radial
+ * heightfields get no note: a pencil on them is meant for their middle. */
 static void note_pencil(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_beam *beam = &scene->beams[0];
@@ -131,8 +131,8 @@ static bool has_flat_rays(const struct cml_beam *beam, double n, double t)
     return beam->angle + widest > t && beam->angle - widest < CML_PI - t;
 }
 
-/* Notes light that starts in a clear layer with total reflection at both neighbours: it stays there for ever,
- * at least between planes. A rough boundary on either side would turn it until it leaves. */
+/* Notes light that starts in a clear layer with total reflection at both neighbours: between planes this
+ * light never leaves. A rough boundary changes its direction, so there is no note then. */
 static void note_trapped(const struct cml_scene *scene, int k, int medium)
 {
     const struct cml_beam *beam = &scene->beams[k];

@@ -3,10 +3,10 @@
 
 #include "surface/surface.h"
 
-/* Shows notes on standard error, "FILE:LINE: ...": the axis of a beam passes a boundary beyond its mesh; the
- * map reaches beyond a mesh; a pencil meets a rough surface at one point, and results are of this point; a
- * rectangle lights a tile unevenly; light starts in a clear layer that traps it, or beyond all layers and
- * leads away. surfaces: those of the flight. *starts: the media of cml_source_media, which the caller frees;
+/* Shows notes on standard error, as "FILE:LINE: ...", in these cases. The axis of a beam passes a boundary
+ * beyond its mesh. The map reaches beyond a mesh. A pencil meets a rough surface at one point. A rectangle
+ * lights a tile unevenly. Light starts in a clear layer that traps it, or beyond all layers and leads away.
+ * surfaces: the surfaces of the flight. *starts: the media of cml_source_media, which the caller frees;
  * starts NULL: not wanted. CML_E_INPUT as cml_source_media. */
 CML_NODISCARD cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                        int **starts, struct cml_error *err);

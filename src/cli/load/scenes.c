@@ -26,7 +26,8 @@ static cml_status check_all(const struct cml_scene_list *list, struct cml_error 
     return CML_OK;
 }
 
-/* KiB; all samples and commands, with the compiler of PoCL, ran with 192 (x86-64, gcc 12) */
+/* least stack of the program in KiB; with 192 all samples and commands ran, and the compiler of PoCL, too
+ * (x86-64, gcc 12) */
 enum { LEAST_STACK = 256 };
 
 cml_status cml_check_stack(struct cml_error *err)
@@ -78,6 +79,8 @@ static cml_status check_photons(const struct cml_options *options, const struct 
     return cml_setting_fail(photons, "no value beside that of --photons", err);
 }
 
+/* Reads the scenes of the input file with the settings of the options, and checks them. On failure *list is
+ * empty. */
 static cml_status load(const struct cml_options *options, const struct cml_text_source *source,
                        struct cml_scene_list *list, struct cml_error *err)
 {
@@ -272,7 +275,7 @@ static struct memory memory_of(const struct cml_options *options, const struct c
                             .output = cml_report_bytes(scene, &grid)};
     const double flight =
         ranks * (world + mib * (4 + threads)); /* threads' stacks and bundles of packets, libraries */
-    /* the kernel counts late: each thread adds up some pages first */
+    /* the kernel does not count the last pages of each thread yet, so they are added to what it reports */
     const double counted = mib * (1 + threads);
     memory.most =
         fmax((so_far + counted) * ranks, now * ranks + memory.tallies + fmax(flight, memory.output));

@@ -96,6 +96,8 @@ static void print_pages(FILE *stream, const char *folder)
     print_item(stream, folder, names);
 }
 
+/* Lists the topics of help: kinds of words first, then the pages of the manual. A folder of pages is one
+ * entry. */
 static void print_topics(FILE *stream)
 {
     fprintf(stream, "\ntopics of help\n");
@@ -139,6 +141,7 @@ static void print_keys(FILE *stream)
     }
 }
 
+/* Prints the overview: usage, commands, topics, exit codes and examples. */
 static void print_list(FILE *stream)
 {
     fprintf(stream, "%s\ncommands\n", usage);

@@ -66,7 +66,7 @@ cml_status cml_read_count(const struct cml_option *option, const char *value, st
     return count(option, value, member_of(option, options), err);
 }
 
-/* Records that a seed was given, because a table of --sweep may have seeds, too. */
+/* Reads the seed, and records that one was given, because a table of --sweep may have seeds, too. */
 cml_status cml_read_seed(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -146,7 +146,8 @@ cml_status cml_read_roulette(const struct cml_option *option, const char *value,
     return sound ? CML_OK : fail(err, option, value, "mcml, or WR,WS with 1e-6 <= WR <= WS <= 1");
 }
 
-/* True if a name, up to its end or a comma, may be an aim: any name may be that of a detector. */
+/* True if a name, up to its end or a comma, may be an aim. Any name may be that of a detector; A_l: needs the
+ * number of a layer behind it. */
 static bool is_aim(const char *name)
 {
     const size_t length = strcspn(name, ",");

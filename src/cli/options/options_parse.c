@@ -62,6 +62,8 @@ static enum word_kind take_name(struct words *words, const char *name)
     return WORD_OPTION;
 }
 
+/* Reads the next word of the command line: a long option, a letter of a group like -qo, or an operand. All
+ * words behind `--` are operands. */
 static enum word_kind next_word(struct words *words)
 {
     if (words->letters) return take_letter(words);
@@ -177,7 +179,7 @@ static void set_defaults(struct cml_options *options)
     options->engine_options.roulette = (struct cml_roulette_options){0.003, 0.01};
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
-    /* s: at most a minute of work is lost, and a busy host does not count as a lost one */
+    /* s: a kill costs at most a minute of work, and a host is lost only after a minute of silence */
     options->checkpoint_interval = 60;
     options->timeout = 60;
     options->surface.force = CML_SURFACE_AUTO;
@@ -205,7 +207,8 @@ static bool append(char *text, size_t size, const char *word)
     return true;
 }
 
-/* Keeps the call of a part of a run, which `merge` repeats. */
+/* Copies the command line of a part into options->call, without --part and --resume, because `merge` repeats
+ * the call for the whole run. The copy is empty if the command line is too long. */
 static void keep_call(int argc, char **argv, struct cml_options *options)
 {
     struct words words = {.argc = argc, .at = 1, .argv = argv, .command = options->which};
@@ -243,8 +246,8 @@ static void look_ahead(int argc, char **argv, struct cml_options *options)
     }
 }
 
-/* True for an option that help is wanted on (help --set, help -o): the next word is then not its value. A
- * long option that is not in the table may be one of the Python package. */
+/* True if the option is a topic of help (help --set, help -o). A topic has no value, so the next word is put
+ * back. A long option that is not in the table may belong to the Python package. */
 static bool is_topic(struct words *words, const struct cml_options *options)
 {
     const bool name = words->typed[1] == '-';

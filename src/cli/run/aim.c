@@ -125,8 +125,9 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
     return cml_aim_refuse(scene, name, length, expected, err);
 }
 
-/* Makes an aim. media: those of the flat scene. tail: make the tail, too, which takes longest; a scene is
- * refused for it only because of its numbers. */
+/* Makes an aim. media: media of the flat scene. tail: whether to make the tail (expected values), which takes
+ * longest. The names of the aim are checked in any case; the numbers of the scene can only be refused with
+ * the tail. */
 static cml_status create(const char *aim, const struct cml_scene *scene,
                          const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                          bool tail, struct cml_aim *to, struct cml_error *err)

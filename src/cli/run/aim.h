@@ -16,8 +16,8 @@
 #include "surface/surface.h"
 #include "tally/result.h"
 
-/* Returns the first detector, from 1, that has seen nothing and at which --aim would pay, found by computing
- * its windows; 0: none. */
+/* Finds the first detector that has seen nothing. Returns its number, from 1, if windows of --aim would make
+ * the run faster there, which is computed; else 0. */
 int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                    const struct cml_result *result);
 

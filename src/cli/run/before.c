@@ -51,9 +51,9 @@ cml_status cml_before_keep_better(const struct cml_options *options, const char 
                     path, (double)*found, (double)photons);
 }
 
-/* State of a look for complete result files. identity: that of this run, or of the run that it extends, whose
- * files may be missing. or_identity: that of another run whose files count, too, because a stopped extension
- * may have left files of both; else the same. */
+/* State of a search for complete result files. identity: identity of the run, or of the run that it extends.
+ * or_identity: a second identity that a file may have, because a stopped extension may have left files of
+ * both runs; without an extension it is equal to `identity`. */
 struct looking {
     const char *identity, *or_identity;
     bool resumes, extends;
@@ -88,7 +88,8 @@ static const char *fault_of(const struct looking *looking, const struct cml_repo
     return looking->resumes || looking->extends ? fault_of_result(looking, file) : NULL;
 }
 
-/* A cml_report_file_function: looks at one file of the run. */
+/* Looks at one file of the run, as a cml_report_file_function. Keeps the first file that exists, and the
+ * first one with a fault. */
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     const struct looking *looking = context;
@@ -121,8 +122,8 @@ static cml_status find_files(const struct cml_options *options, const struct cml
     return cml_report_each_file(setup->scene, setup->surfaces, &asks, path, look, &looking, err);
 }
 
-/* True if the existing result is that of this run, and needs no flight. Not used if there is a checkpoint,
- * which knows more; nor for JSON and the table of a sweep, which have more digits than a result. */
+/* True if a result of this run exists and no flight is needed. False if there is a checkpoint, which knows
+ * more, and if JSON or the table of a sweep needs more digits than a result has. */
 static bool result_stands(const struct cml_options *options, const struct cml_run_setup *setup,
                           const struct cml_before *before)
 {

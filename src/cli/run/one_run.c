@@ -20,8 +20,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Computes the exact totals if all boundaries are flown as planes, with errors a little below the run's own.
- * Gives up if it takes too long. They are printed, and in no file. */
+/* Computes the exact totals if all boundaries are flown as planes, with errors a little below those of the
+ * run. Gives up if that takes long. The totals are printed, but no file has them. */
 static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
 {
     const struct cml_surface_set *surfaces = report->surfaces;
@@ -188,8 +188,8 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     return CML_OK;
 }
 
-/* Rows of a sweep in which so few packets make up a total, or the sum of A_z, that its standard error is
- * itself uncertain. */
+/* Rows of a sweep in which fewer than LEAST_PACKETS effective packets make up one quantity: a total, or the
+ * sum of A_z. The standard error of the quantity is itself uncertain there. */
 struct poor_rows {
     int count, row; /* the row with the fewest packets, from 0 */
     double packets; /* effective packets of this row */
@@ -215,6 +215,7 @@ static void find_poor(const struct cml_result *flight, const struct cml_result *
         add_poor(cml_effective_packets_by_depth(result), row, &poor[POOR_A_Z]);
 }
 
+/* Shows a note for each quantity that rests on too few packets in some rows. */
 static void note_poor(const struct cml_run_rows *rows, const struct poor_rows poor[NUM_POOR])
 {
     char text[200];
@@ -231,6 +232,7 @@ static void note_poor(const struct cml_run_rows *rows, const struct poor_rows po
     }
 }
 
+/* Writes the files of row i of a flight that several rows share, and notes where its packets are too few. */
 static cml_status publish_row(const struct cml_run_call *call, const struct cml_run_setup *setup,
                               const struct cml_run_result *run, int i, struct poor_rows *poor,
                               struct cml_error *err)

@@ -11,14 +11,14 @@ struct cml_run_rows {
     int count;
     const int *number;                    /* [count] numbers of the rows, from 0 */
     const struct cml_scene *const *scene; /* [count] scenes of the rows */
-    struct cml_record *record;            /* [count] on rank 0, filled as that of cml_run_one */
+    struct cml_record *record;            /* [count] on rank 0; each is filled like *record of cml_run_one */
 };
 
 struct cml_run_call {
     const struct cml_options *options;
     const struct cml_scene *scene;
     const char *inputs; /* lines of the identity for the input files (run/identity.h) */
-    /* Surfaces of another scene with the same shapes; NULL: none. */
+    /* Surfaces of another scene with the same shapes, whose trees need not be built again; NULL: none. */
     const struct cml_surface_set *shared;
     uint64_t seed;
     uint32_t run; /* number of the run in the file, from 0 */

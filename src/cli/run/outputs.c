@@ -328,9 +328,8 @@ static bool is_table(const struct cml_scene *scene)
     return cml_file_ends_in(scene->output, ".sweep.csv") || cml_file_ends_in(scene->output, ".sweep.h5");
 }
 
-/* True if an existing result may stay: that of a run which --resume finds finished, or which may prove to be
- * of this run. A result without a checkpoint tells its run later, when the run's identity is known
- * (before.h). */
+/* True if an existing result may stay: --resume finds its run finished, or the result may prove to be of this
+ * run. The latter shows only when the identity of the run is known (before.h). */
 static bool stays(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_error ignored;
@@ -424,7 +423,8 @@ static void remove_leftovers(const struct cml_outputs *outputs)
     }
 }
 
-/* Checks and adds the files of one run. */
+/* Adds the files of one run to the claimed files, after checks of their names and folders. A device like
+ * /dev/null is not added. */
 static cml_status claim_run(const struct cml_options *options, const struct cml_scene *scene, int run,
                             struct cml_outputs *outputs, struct cml_error *err)
 {

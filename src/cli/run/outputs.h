@@ -15,7 +15,7 @@ struct cml_output_file {
     enum cml_output_kind kind;
 };
 
-/* All files of one call; zeroed: nothing is claimed. */
+/* All files that one call of the program has claimed. A struct of zeros claims nothing. */
 struct cml_outputs {
     size_t count;
     struct cml_output_file *file; /* [count] all files of all runs */
@@ -25,10 +25,11 @@ struct cml_outputs {
     struct cml_file_lock *lock; /* [num_locks] one for each stem, "STEM.lock" */
 };
 
-/* Claims all files of all runs in the folder of -o, which is made if needed: they can be written, none is an
- * input or a file of another run, and no other process writes those of the first num_locks runs. inputs: the
- * files that were read. CML_E_INPUT: an unusable name, or a result that --no-clobber keeps. CML_E_IO: a file
- * that cannot be written, or is locked. On failure nothing is held. `note` receives notes. */
+/* Claims the files of all runs in the folder of -o, and makes the folder if needed. Every file can then be
+ * written, none is an input or a file of another run, and no other process writes files of the first
+ * num_locks runs. inputs: the files that were read. `note` receives notes. CML_E_INPUT: a name is unusable,
+ * or --no-clobber keeps a result. CML_E_IO: a file cannot be written, or is locked. On failure nothing is
+ * claimed. */
 CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            const struct cml_scene_list *list, int num_locks,
                                            const struct cml_inputs *inputs,

@@ -7,7 +7,7 @@
 
 struct cml_pending_row;
 
-/* Rows that wait; zeroed: none. */
+/* Finished rows whose results are not yet safe on the disk. A struct of zeros has none. */
 struct cml_pending {
     int count;
     struct cml_pending_row *row; /* [count] the rows that wait */

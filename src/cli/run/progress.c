@@ -59,7 +59,8 @@ static void draw_bar(const struct cml_progress *p)
     fflush(stderr);
 }
 
-/* Outside a terminal prints nothing in the first ten seconds, because a log would keep it. */
+/* Shows the progress: a bar on a terminal, otherwise a line whenever another tenth is flown. There is no line
+ * in the first ten seconds, so the log of a short run stays empty. */
 void cml_progress_show(void *context, const struct cml_progress *p)
 {
     struct cml_display *display = context;

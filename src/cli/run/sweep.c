@@ -34,7 +34,8 @@ static cml_status table_path(const struct cml_sweep_run *sweep, const char *suff
 
 /* ---- before the first row flies ---- */
 
-/* Returns the row whose checkpoint stands for a row: itself, or the first row of its flight. */
+/* Returns the row under which the checkpoint of a row is saved. With --reweight rows share a flight, and the
+ * checkpoint has the name of the first row of the flight. */
 static int row_of_checkpoint(const struct cml_sweep_run *sweep, int row)
 {
     int first = 0;
@@ -85,7 +86,8 @@ static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_err
     return cml_sweep_name_row(sweep, row, status, err);
 }
 
-/* Claims the outputs of the tables and rows, as those of a file that had them as runs, without shapes. */
+/* Claims the outputs of the tables and of all rows, as if each were a run of one file. Tables count as runs
+ * without map, facets and saved packets. */
 static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, struct cml_error *err)
 {
     static const char *const suffixes[] = {".sweep.csv", ".sweep.h5"};
@@ -253,7 +255,7 @@ static void note_columns(const struct cml_sweep_run *sweep)
     note_numbers(table, &sweep->base->scenes[0]);
 }
 
-/* Returns the medium that a column sets a number of; -1: none. */
+/* Returns the medium of which a column of the table sets a number (layer1.mua, body2.n ...); -1: none. */
 static int medium_of(const struct cml_sweep_table *table, int column, const struct cml_scene *scene)
 {
     const int layer = layer_of(table, column, scene);
@@ -469,7 +471,8 @@ static void announce(const struct cml_sweep_run *sweep)
     printf("\n");
 }
 
-/* Notes that the table is replaced. The results of its rows are replaced with it. */
+/* Notes that the table of an earlier sweep is replaced, which means that the results of its rows are
+ * replaced, too. */
 static void note_replaced(const struct cml_sweep_run *sweep)
 {
     char *csv = NULL, text[CML_REPLACED];
@@ -489,6 +492,7 @@ static void note_anew(const struct cml_sweep_run *sweep)
     cml_show_note(NULL, text);
 }
 
+/* Flies all rows, makes their results safe on the disk and writes the tables of the sweep. */
 static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;

@@ -49,7 +49,7 @@ struct group {
     struct cml_scene flown;
     const struct cml_scene **scene; /* [count] pointers into `own` */
     struct cml_record *record;      /* [count] records of the rows */
-    /* mua of each row above that of the scene flown, as in struct cml_engine_rows */
+    /* [media][count] mua of each row minus mua of the scene flown, 1/cm */
     double *more;
     char *identity;
 };

@@ -214,8 +214,8 @@ static void take_over(struct cml_sweep_rows *rows, const struct row_report *all)
     }
 }
 
-/* Gathers the rows of all ranks on rank 0. The gather is the first call in which ranks wait for each other.
- */
+/* Gathers the rows of all ranks on rank 0. Ranks wait for each other here for the first time since the flight
+ * began. */
 static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_error *err)
 {
     const size_t count = (size_t)rows->count;

@@ -3,7 +3,7 @@
 
 #include "run/checkpoint.h"
 
-/* The rows of a sweep; zeroed: none. */
+/* The rows of a sweep. A struct of zeros has none. */
 struct cml_sweep_rows {
     int count, num_done;       /* num_done: rows flown by all ranks, on rank 0 only */
     bool *done;                /* [count] flown by this rank; on rank 0 in the end: flown by any rank */

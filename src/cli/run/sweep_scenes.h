@@ -19,7 +19,8 @@ struct cml_sweep_run {
     int seed_column;                  /* column of the seed; -1: all rows have the seed of the options */
     /* with --reweight: number of flights, and the flight of each row; else 0, NULL */
     int num_groups, *group;
-    char *identity;                  /* lines of the identity for the input files, without the table */
+    /* lines about the input files in the identity of a run; the table has no line */
+    char *identity;
     struct cml_surface_set surfaces; /* surfaces of the base scene, whose trees are built only once */
     int num_anew; /* with --resume: rows whose results have no checkpoint, and which are flown again */
     char replaced[CML_REPLACED]; /* description of the first result that is replaced */
@@ -45,14 +46,15 @@ CML_NODISCARD cml_status cml_sweep_row_settings(const struct cml_sweep_run *swee
 CML_NODISCARD cml_status cml_sweep_row_seed(const struct cml_sweep_run *sweep, int row, uint64_t *seed,
                                             struct cml_error *err);
 
-/* Read the scene of a row, with its own settings, or with others. The caller clears *scene. */
+/* Read the scene of a row. cml_sweep_read_row uses the settings of the row, cml_sweep_read the given ones.
+ * The caller clears *scene. */
 CML_NODISCARD cml_status cml_sweep_read_row(const struct cml_sweep_run *sweep, int row,
                                             struct cml_scene *scene, struct cml_error *err);
 CML_NODISCARD cml_status cml_sweep_read(const struct cml_sweep_run *sweep, int row,
                                         const struct cml_settings *settings, struct cml_scene *scene,
                                         struct cml_error *err);
 
-/* Adds row and values to the message about a row's scene. Returns `status`. */
+/* Adds the row's number and values to the message *err about its scene. Returns `status`. */
 CML_NODISCARD cml_status cml_sweep_name_row(const struct cml_sweep_run *sweep, int row, cml_status status,
                                             struct cml_error *err);
 

@@ -22,8 +22,8 @@ static bool is_whole(const struct cml_key *key)
     return key->type == CML_KEY_INT || key->type == CML_KEY_COUNT;
 }
 
-/* Whole numbers are parsed twice: cml_parse_count refuses numbers that are not whole, and the range is
- * compared with doubles. */
+/* Parses a whole number twice: as a count, which refuses decimals, and as a double, because ranges are
+ * doubles. */
 bool cml_key_parse(const struct cml_key *key, const char *word, double *value)
 {
     double number = 0;

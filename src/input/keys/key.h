@@ -86,7 +86,7 @@ enum cml_key_type {
     CML_KEY_XYZ,   /* double[3] */
     CML_KEY_WORD,  /* int or enum: which of the words in `noun`, with blanks between them */
     CML_KEY_FLAG,  /* bool: the key alone */
-    CML_KEY_OWN    /* the line's reader reads it */
+    CML_KEY_OWN    /* read by the function `own` of the line (mci_options.h) */
 };
 
 /* Bits of `use` in struct cml_key. */

@@ -124,6 +124,8 @@ static bool is_missing(const struct grid *g, double height)
     return fabs(height - nodata) <= rounding * fabs(nodata) || isnan(height);
 }
 
+/* Reads all heights, row by row, into map->h [cm]. A missing height (NODATA_value) becomes NaN. word: the
+ * first height. */
 static cml_status read_heights(struct grid *g, const char *word, double unit, struct cml_heightmap *map)
 {
     const size_t cells = (size_t)map->nx * (size_t)map->ny;

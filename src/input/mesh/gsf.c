@@ -222,6 +222,7 @@ static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
     return f->pixels ? CML_OK : check_heights(f, map);
 }
 
+/* Reads a .gsf file as a heightmap or, if `pixels`, as an image. On failure the map is empty. */
 static cml_status read_file(const struct cml_text_source *source, const char *path, double unit, bool pixels,
                             struct cml_heightmap *map, struct cml_error *err)
 {
@@ -261,7 +262,7 @@ static void write_float(FILE *stream, double value)
     for (int i = 0; i < 4; i++) fputc((int)(word >> 8 * i & 255), stream);
 }
 
-/* Writes the row of the largest y first, as the format wants it. */
+/* Writes a heightmap as a .gsf file. The format wants the row of the largest y first. */
 cml_status cml_gsf_write(const char *path, const struct cml_heightmap *map, struct cml_error *err)
 {
     struct cml_file file;

@@ -57,8 +57,8 @@ static bool find_plane(struct polygon *p)
     return true;
 }
 
-/* Returns the largest distance of a corner from the mean plane; 0 if decimals of the file alone may cause it.
- */
+/* Returns the largest distance of a corner from the mean plane of the polygon; 0 if it is so small that
+ * rounded decimals in the file may cause it. */
 static double bend_of(const struct polygon *p)
 {
     double bend = 0;

@@ -146,7 +146,8 @@ static void restore_line(const struct cml_text *text, const struct line *line)
     if (text->cursor <= text->size) text->data[text->cursor - 1] = '\n';
 }
 
-/* Scans a line. Only lines `v` and `f` are left; others (normals, groups, materials) become blanks. */
+/* Scans one line. Lines of vertices (`v`) and faces (`f`) stay in the text; all others (normals, groups,
+ * materials) are overwritten with blanks. */
 static cml_status scan_line(struct cml_text *text, struct line *line, struct cml_obj_scan *scan,
                             struct cml_error *err)
 {

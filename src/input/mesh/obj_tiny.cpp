@@ -17,7 +17,7 @@ namespace
 struct memory_buffer : std::streambuf {
     memory_buffer(const char *text, size_t size)
     {
-        char *begin = const_cast<char *>(text); /* the type of streambuf; nothing is written */
+        char *begin = const_cast<char *>(text); /* setg takes no const; the text is only read */
         setg(begin, begin, begin + size);
     }
 };

@@ -10,7 +10,7 @@ bool cml_sweep_is_absorption(const char *name)
     return dot && strcmp(dot, ".mua") == 0;
 }
 
-/* Returns mus of the medium of a column in a row, 1/cm. */
+/* Returns mus [1/cm] that a medium has in a row of the table. */
 static double scattering(const struct cml_sweep_table *table, int row, const struct cml_sweep_medium *medium)
 {
     const int column = medium->scattering;

@@ -89,6 +89,8 @@ static cml_status check_quotes(const struct cml_sweep_table *table, const struct
                    err);
 }
 
+/* Adds a column with the name in a cell. A name in quotation marks is a label, any other name is a
+ * setting. */
 static cml_status read_name(struct cml_sweep_table *table, const struct cell *cell, struct cml_error *err)
 {
     char field[32];
@@ -121,6 +123,7 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
                    "a name without quotation marks, which is set: those in quotation marks are labels", err);
 }
 
+/* Reads the line of names, the first line of the table. */
 static cml_status read_header(struct cml_sweep_table *table, struct cml_error *err)
 {
     char *line = next_line(&table->text);
@@ -138,6 +141,7 @@ static cml_status read_header(struct cml_sweep_table *table, struct cml_error *e
     return check_labels(table, err);
 }
 
+/* Adds a row with the cells of a line. Every column needs a value. Cells point into the text of the table. */
 static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml_error *err)
 {
     char value[16], expected[96];

@@ -8,7 +8,7 @@
 #include "base/settings.h"
 #include "base/text.h"
 
-/* A table; zeroed: no table. */
+/* A table of --sweep. A struct of zeros is no table. */
 struct cml_sweep_table {
     struct cml_text text; /* text that the cells point into */
     int num_columns, num_rows;

@@ -12,14 +12,15 @@
 
 #define CHUNK ((size_t)1 << 17)  /* values that are in memory as doubles at a time */
 #define GROWTH ((size_t)1 << 20) /* bytes by which the file in memory grows */
-/* name of the file for HDF5, which first tries to open it: no such file can exist */
+/* Name of the file for HDF5, which is made in memory. HDF5 first tries to open a file of this name, so it is
+ * one that cannot exist. */
 #define NOWHERE "/dev/null/none"
 
-/* State of writing one file. The file is made in memory, where only memory can run out, and then written like
- * any other file: HDF5 itself would keep what it cannot write, report it at some later call, and write other
- * bytes then. Calls of the library return a negative number when they fail. The first failure is remembered;
- * later calls fail on the invalid handles it left, or do nothing. The code therefore runs straight on, and
- * tests for a failure once, at the end. */
+/* State of writing one file. HDF5 makes the file in memory, and this program writes it to the disk: HDF5
+ * itself would keep what the disk refuses, report it at some later call, and write wrong bytes then. In
+ * memory only memory can run out. Calls of the library return a negative number when they fail. The first
+ * failure is remembered; later calls fail because its handles are invalid, or do nothing. The code therefore
+ * runs straight on, and tests for a failure once, at the end. */
 struct writer {
     hid_t file;
     bool failed;
@@ -238,8 +239,8 @@ static void write_field(struct writer *w, const struct cml_field *field)
     check(w, H5Dclose(dataset));
 }
 
-/* Writes a text of the call as contiguous data of fixed length. An attribute would have a checksum, which
- * would differ from call to call, too. */
+/* Writes a text about the call, as data of fixed length in one piece: files of two calls then differ in these
+ * bytes only. An attribute would have a checksum, which differs as well. */
 static void write_call_text(struct writer *w, hid_t group, const char *name, const char *long_name,
                             const char *text)
 {
@@ -302,7 +303,7 @@ static void *grow_image(void *old, size_t size, H5FD_file_image_op_t why, void *
         w->refused = size;
         return NULL;
     }
-    /* the library does not write every byte */
+    /* HDF5 does not write every byte: without zeros, equal runs would have different files */
     if (size > w->room) memset(larger + w->room, 0, size - w->room);
     w->image = larger;
     w->room = size;

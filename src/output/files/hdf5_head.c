@@ -9,8 +9,8 @@
 #include <hdf5.h>
 #include <zlib.h>
 
-/* Opens a file without a lock: it is only read, and some file systems have no locks (NFS). HDF5 before
- * 1.10.7, and 1.12.0, lock always. The library prints nothing, and loads no filters from elsewhere. */
+/* Opens a file for reading, without a lock, because some file systems have none (NFS). HDF5 before 1.10.7,
+ * and 1.12.0, cannot leave the lock out. HDF5 prints no errors and loads no filters from other files. */
 static hid_t open_unlocked(const char *path)
 {
     (void)H5dont_atexit();

@@ -94,8 +94,8 @@ static cml_status end_file(struct cml_file *file, struct cml_error *err)
     return cml_file_commit(file, err);
 }
 
-/* An extent counts points between cells: n cells have the points 0 to n. An extent of 0 in z makes a flat
- * image, whose cells are pixels. */
+/* Writes an image of pixels or voxels. The extents of the format count points between cells: n cells have the
+ * points 0 to n. An extent of 0 in z makes a flat image, whose cells are pixels. */
 cml_status cml_vti_write(const char *path, const char *comment, const struct cml_image *image,
                          const struct cml_field *fields, int num_fields, struct cml_error *err)
 {

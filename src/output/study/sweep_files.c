@@ -109,6 +109,7 @@ static void name_number(const struct cml_sweep_results *r, enum cml_recorded kin
         snprintf(name, 64, media[kind], i + 1);
 }
 
+/* Writes the line of column names of the .csv. */
 static void write_names(FILE *out, const struct cml_sweep_results *r)
 {
     fputs("row", out);
@@ -237,8 +238,8 @@ static void arrange(struct grid *grid)
 struct fields {
     const struct grid *grid;
     struct cml_field *field;
-    /* values of all fields, one behind the other, each [num_rows] or [num_rows][n]; and the place of the next
-     */
+    /* values of all fields, field after field, each [num_rows] or [num_rows][n]; `free` is where the values
+     * of the next field begin */
     double *value, *free;
     struct cml_axis layer, body, side;
     int count;
@@ -296,8 +297,8 @@ static double *add_with_errors(struct fields *list, const struct cml_axis *axis,
     return value;
 }
 
-/* Adds the numbers of a kind from number `first` on, with their errors, over `axis` and `inner` (NULL: one
- * number per row). name NULL: that of the quantity. */
+/* Adds the numbers of a kind from number `first` on, with their errors, over `axis` and `inner` (NULL: no
+ * such axis). name NULL: the field has the name of the quantity. */
 static void fill_over(struct fields *list, enum cml_recorded kind, int first, const struct cml_axis *axis,
                       const struct cml_axis *inner, enum cml_quantity quantity, const char *name)
 {
@@ -314,6 +315,7 @@ static void fill_over(struct fields *list, enum cml_recorded kind, int first, co
     }
 }
 
+/* Adds a field for every number that results have: totals, layers, bodies, expected values, detectors. */
 static void fill_all_numbers(struct fields *list)
 {
     const struct cml_sweep_results *r = list->grid->results;
@@ -382,6 +384,7 @@ static void fill(struct fields *list)
     fill_whole(list, ROW, "row", "of the table, from 1");
 }
 
+/* Fills the fields and writes them to the .h5, with the texts that describe the sweep as attributes. */
 static cml_status write_h5(const char *path, const struct grid *grid, struct fields *list,
                            struct cml_error *err)
 {

@@ -22,7 +22,7 @@ struct cml_sweep_results {
     const char *const *detector;
 };
 
-/* True if every table of results may have a column of this name. */
+/* True if a table of results may have a column of its own with this name. A label must have another name. */
 bool cml_sweep_is_of_results(const char *name);
 
 /* Turns the name of a label into that of its array in the .h5, where / would make groups: / becomes _. */

@@ -70,8 +70,8 @@ def _albedo(result: Any, back: bool) -> dict[str, float]:
 
 
 def _directions(setup: Setup, channel: int, i: int, result: Any, bins: Bins) -> dict[str, Any]:
-    """Returns the shares of light in the bins at one angle of incidence, without mirror images: `in` was inside, `gloss` was
-    not, `t` went through."""
+    """Returns the shares of light in the bins at one angle of incidence, without exact mirror images.
+    `in`: light that comes back from inside the scene. `gloss`: light reflected at the surface. `t`: light that went through."""
     of = {name: bins.shares(result[name + "_dir"].values, result[name + "_dir_se"].values) for name in ("Rd", "Rsp", "Tt")}
     angle, mirror, inner = np.radians(setup.angles[i]), float(result.detector_mirror), float(result.detector_mirror_in)
     through = np.radians(setup.through(setup.angles[i], channel))

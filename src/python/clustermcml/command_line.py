@@ -35,7 +35,7 @@ def print_text(text: str) -> int:
     except OSError:
         code = 5
         print("clustermcml: standard output cannot be written", file=sys.stderr)
-    setattr(sys, "stdout", None)  # otherwise Python tries to flush standard output again at its end
+    setattr(sys, "stdout", None)  # keeps Python from flushing standard output again at exit, which would fail again
     return code
 
 

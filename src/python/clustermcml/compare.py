@@ -142,8 +142,9 @@ class Array:
     def estimate(self, bins: list[Group], group: Group, mean: float) -> list[float]:
         """Returns variances per packet if a file has no errors: mean square less squared mean.
 
-        The mean is that of both files, or the file's own if that is larger, so that a chance excess is not overrated. A lender
-        that was sampled on a lattice cannot tell the scatter of packets, and keeps its own variance."""
+        The mean is that of both files, or the file's own if that is larger, so that a chance excess is not overrated. If
+        one file has errors, it lends its mean square to the other. A file that was sampled on a lattice cannot lend, because its errors
+        do not show the scatter of single packets; it keeps its own variance."""
         lender = 0 if self.error[0] is not None else 1
         lent = self.error[lender] is not None
         says = lent and self.lends[lender]

@@ -20,7 +20,7 @@ RASTER = 2000  # number of facets from which a picture holds pixels in place of 
 class Mesh(NamedTuple):
     points: Any  # [n, 3] cm, z down
     corners: Any  # indices of points, facet after facet
-    ends: Any  # [m] end of each facet in corners
+    ends: Any  # [m] index in corners behind the last corner of each facet
     values: Any  # [m] number of each facet
 
 
@@ -48,7 +48,7 @@ def read_mesh(path: str, name: str) -> Mesh:
         return Mesh(points, corners, ends, arrays[name].astype(float))
     except errors.InputError:
         raise
-    except Exception as error:  # numpy has many exceptions for damaged bytes
+    except Exception as error:  # any: numpy raises many kinds of exceptions for damaged bytes
         raise errors.unreadable(path, "a .vtp file of this program", error) from error
 
 
@@ -86,7 +86,7 @@ def _polygons(axes: Any, places: Any, starts: Any, sizes: Any, colours: Any) -> 
 
 def draw_mesh(matplotlib: Any, axes: Any, mesh: Mesh, norm: Any) -> None:
     from matplotlib.ticker import MaxNLocator
-    places = mesh.points[mesh.corners] * (1, 1, -1)  # heights up
+    places = mesh.points[mesh.corners] * (1, 1, -1)  # z points down in the file and up in the picture
     sizes = np.diff(mesh.ends, prepend=0)
     starts = mesh.ends - sizes
     normals = _normals(places, starts, sizes)

@@ -37,11 +37,11 @@ NEAR = 0.6  # distance within which flights tell slopes, in ln mus
 CURVED = 0.01  # noise of logarithms that hides a curvature of 1
 SETTLED = 0.2  # largest distance between the solution and the flight that gives the values, in standard errors
 REACH = 2.0  # as SETTLED, if an anchor follows; also the largest distance between the solution and the anchor
-OTHER_SEED = 2**40  # difference between the seeds of the anchor and of the other flights
+OTHER_SEED = 2**40  # difference between the seed of the anchor (the last flight, with derivatives) and those of all others
 NOISY = 0.3  # largest share of a parameter's information that may be noise of the slopes
 BATCHES = 64  # number of batches from which the program computes errors
 REDRAWN = 100  # number of redrawn flights for the error of a correlation
-TINY = 1e-30  # value of bins that saw nothing, which need a logarithm
+TINY = 1e-30  # value of bins that saw nothing, so that their logarithm is finite
 
 
 @dataclasses.dataclass(frozen=True)
@@ -171,7 +171,7 @@ class _Anchor:
     logs: Any  # [numbers] logarithms of the model's numbers
     slopes: Any  # [numbers, parameters] derivatives of logs by u
     errors: Any  # standard errors of slopes, inf if unknown
-    covariance: Any  # of the noise of the model's numbers
+    covariance: Any  # covariance of the noise of the numbers
 
 
 def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
@@ -238,7 +238,7 @@ def _fly_rows(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows
     writes files into a folder and returns the options that name them."""
     with scratch_folder() as scratch, scene_file(scene, scratch) as file:
         with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", ".*effective packets")  # most rows are far from the solution
+            warnings.filterwarnings("ignore", ".*effective packets")  # silent, because most rows are far from the solution and their noise does not matter
             warnings.filterwarnings("ignore", ".* counts from above")  # the user chose parameters by name, and has counted layers already
             said = fly(file, scratch, [*words(scratch), *option_words(options, FitOptions)], False, scratch, rows)
         if said[0]["photons"] < BATCHES:

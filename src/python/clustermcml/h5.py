@@ -128,7 +128,7 @@ def _read(path: str, needed: str, what: str) -> Fields:
     try:
         with h5py.File(path, "r", locking=False) as file:
             return _File(file, os.path.getsize(path)).fields(needed)
-    except Exception as error:  # the libraries have many exceptions for damaged bytes
+    except Exception as error:  # any: h5py and HDF5 raise many kinds of exceptions for damaged bytes
         raise errors.unreadable(path, f"an .h5 file of {what}", error) from error
 
 

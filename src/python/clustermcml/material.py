@@ -24,9 +24,9 @@ from .pictures import COLOURS, drawing, save
 if TYPE_CHECKING:
     import xarray as xr
 
-SIZE = 2 * CELLS - 1  # nodes of a .bsdf along each axis: exits near the horizon need finer ones than lobes do
+SIZE = 2 * CELLS - 1  # nodes of a .bsdf along each axis. Exits near the horizon (90 degrees) need finer nodes than lobes do
 GREY_NM = (360.0, 830.0)  # a grey material, for renderers of spectra
-HORIZON = np.pi / 2 - 1e-4  # where f is still known: at the very horizon rounding takes all light
+HORIZON = np.pi / 2 - 1e-4  # largest angle [rad] at which f is computed: at 90 degrees rounding would leave no light
 STEP = 2.5  # degrees between angles of incidence of a .bsdf, at most: renderers interpolate at the same half vector, and the horizon moves from one to the next
 MUCH = 1e-3  # share of the light in a mirror image that is worth a message
 PLOTTED = 5  # number of angles of incidence in a picture

@@ -262,7 +262,7 @@ def read_mco(path: str) -> Fields:
         own = _dataset(text, file)
     except errors.InputError:
         raise
-    except Exception as error:  # Python and its libraries have many exceptions for damaged words
+    except Exception as error:  # any: Python and its libraries raise many kinds of exceptions for damaged words
         raise errors.unreadable(path, "a whole .mco file", error) from error
     _note_older(path, file)
     return _with_fields(path, text, own)

@@ -69,7 +69,7 @@ class Phase:
                 raise errors.refuse("Phase.densities", self.densities, expected)
 
     def line(self, directory: str, stem: str) -> str:
-        """The line of the `.mci` in that directory; writes DIRECTORY/STEM.phase.txt where the table is no file."""
+        """Returns the line for a `.mci` in that directory. Writes DIRECTORY/STEM.phase.txt if the table is given as arrays."""
         if self.kind != "table":
             return " ".join(["phase", self.kind, *(shortest(getattr(self, name)) for name in NUMBERS[self.kind])])
         if self.path is not None:

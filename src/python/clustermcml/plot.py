@@ -58,7 +58,7 @@ def _spread_over_mua(result: Fields, name: str) -> Field:
 
 
 class Result:
-    """A file of results, and the arrays that a word of --of means in it."""
+    """A file of results, which finds the arrays that the words of --of name."""
 
     def __init__(self, path: str) -> None:
         self.path, self.data = path, read_as(readable(path))

@@ -232,7 +232,7 @@ def _path_of(path: Any, ending: str) -> str:
 
 
 def _without_nan(value: Any) -> Any:
-    """Returns nested lists with None in place of NaN, which JSON cannot hold: lengths and errors of terms whose weight is 0."""
+    """Returns nested lists with None in place of NaN and infinity, which JSON cannot hold. Terms of weight 0 have such lengths and errors."""
     if isinstance(value, list):
         return [_without_nan(one) for one in value]
     return None if isinstance(value, float) and not np.isfinite(value) else value

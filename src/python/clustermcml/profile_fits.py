@@ -24,7 +24,7 @@ STARTS = (0.03, 0.1, 0.3, 1.0, 2.0)  # starting lengths, in units of the mean ra
 CLOSEST = 1.3  # least ratio of neighbouring lengths: closer lengths get large weights of opposite signs, and fit no better
 SMOOTHED = 9  # bins over which the light is averaged for the weights of the fit
 NEGATIVE = -1e-9  # lower limit of a sum that may touch 0, because of rounding
-LEAST = 1e-9  # least share of the light in a bin, for the weights of the fit
+LEAST = 1e-9  # share that a darker bin counts as in the weights of the fit, which would otherwise grow without limit
 MARGIN = 1e-6  # distance from 0 that is kept by a sum that would be negative
 WIDE = (1e-4, 1e2)  # bounds of lengths in units of the mean radius
 
@@ -171,7 +171,7 @@ def _errors(profile: Shares, weights: Any, lengths: Any) -> tuple[Any, Any]:
 
 def _curve(kind: str, profile: Shares, weights: Any, lengths: Any) -> Curve:
     shares = weights @ shares_of(kind, profile.edges, lengths)
-    if kind == "gaussians":  # linear errors were up to 4 times too small, because neighbours overlap and the search ends in a flat valley
+    if kind == "gaussians":  # unknown errors: linear ones were up to 4 times too small, because neighbours overlap and the search ends in a flat valley
         weights_se, lengths_se = np.full((2, len(weights)), np.nan)
     else:
         weights_se, lengths_se = _errors(profile, weights, lengths)

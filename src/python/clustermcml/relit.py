@@ -16,7 +16,7 @@ from .mco import NUMERAL
 from .options import Path
 from .scene import Scene
 
-REPLACED = ("beam", "map", "facets", "time", "directions", "fluence", "detector", "photons")  # lines that stand before the layers
+REPLACED = ("beam", "map", "facets", "time", "directions", "fluence", "detector", "photons")  # keywords of the lines before the layers that are replaced
 WITH_FILES = ("m", "b", "i", "phase", "beam")
 WORD = re.compile(r'"[^"]*"|\S+')
 

@@ -24,7 +24,7 @@ def is_counted(axis: str) -> bool:
 def marked(y: Any) -> Any:
     """Returns the places of a curve that have marks: about twenty, and all without a neighbour, which no line would show."""
     step, there = max(1, y.size // 20), np.pad(np.isfinite(y), 1)
-    if y.size > 1000:  # given a step, matplotlib chooses the marks within the frame
+    if y.size > 1000:  # with a step instead of places, matplotlib marks only what lies within the frame
         return step
     return np.flatnonzero(there[1:-1] & (~(there[:-2] | there[2:]) | (np.arange(y.size) % step == 0))).tolist()
 

@@ -108,7 +108,7 @@ class Heightmap:
         vector("Heightmap.shift", self.shift, 3)
 
     def line(self, directory: str, stem: str) -> str:
-        """Writes DIRECTORY/STEM.gsf; the line of the `.mci` in that directory."""
+        """Writes DIRECTORY/STEM.gsf. Returns the line that names the file in an `.mci` of that directory."""
         write_gsf(os.path.join(directory, stem + ".gsf"), np.asarray(self.heights), self.dx, self.dx if self.dy is None else self.dy)
         options = {"scale": self.scale, "shift": tuple(self.shift), "tile": self.tile}
         return " ".join([f'm "{stem}.gsf"', *_option_words(options)])
@@ -177,7 +177,7 @@ class Mesh:
     tile: Union[bool, str] = False
 
     def __post_init__(self) -> None:
-        if self.faces is None and self.vertices is not None:  # the arguments were given by position: vertices, faces
+        if self.faces is None and self.vertices is not None:  # Mesh(vertices, faces) by position: the first argument is no path
             self.path, self.vertices, self.faces = None, self.path, self.vertices
         if isinstance(self.path, (str, os.PathLike)) and os.path.splitext(self.path)[1].lower() in (".stl", ".ply"):
             self.path, self.vertices, self.faces = None, *read_triangles(errors.existing_file("Mesh.path", self.path))
@@ -219,7 +219,7 @@ class Mesh:
         return name, _option_words(options)
 
     def line(self, directory: str, stem: str) -> str:
-        """The line of the `.mci` in that directory."""
+        """Returns the line of the mesh for an `.mci` in that directory."""
         name, options = self.words(directory, stem)
         return " ".join(["m", name, *options])
 
@@ -286,7 +286,7 @@ class Rough:
             raise errors.refuse("Rough.alpha", self.alpha, "0, or a number of 1e-4 to 2")
 
     def words(self, separator: str = " ") -> str:
-        """Kind and number, as they stand in a line of the `.mci`."""
+        """Returns kind and alpha as a line of the `.mci` has them."""
         return f"{self.kind}{separator}{shortest(self.alpha)}"
 
 

@@ -16,7 +16,7 @@ struct cml_check_side {
     const char *name;
     const struct cml_engine *engine;
     const struct cml_surface_set *surfaces;
-    bool same_geometry; /* the geometry is that of the first side, so CML_CHECK_SHARE is demanded */
+    bool same_geometry; /* the side has the geometry of the first side, so CML_CHECK_SHARE is demanded */
 };
 
 /* The difference of a total to the first side: mean per packet, as a share of a packet, its standard error,

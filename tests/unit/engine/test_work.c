@@ -1,4 +1,4 @@
-/* Tests of how engines take photons and hand in their tallies: every packet once, batch by batch, and no
+/* Tests of how engines take photons and deliver their tallies: every packet once, batch by batch, and no
  * thread waits for another. SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/mci_case.h"
@@ -41,7 +41,7 @@ struct ledger {
     struct cml_result result;
 };
 
-/* Packets of each batch that this thread was given and has not yet handed in by note(). */
+/* Packets of each batch that this thread has taken and not yet delivered by note(). */
 static _Thread_local uint64_t pending[CML_NUM_BATCHES];
 static _Thread_local int calls;
 
@@ -52,7 +52,7 @@ static uint64_t all_pending(void)
     return sum;
 }
 
-/* Holds this thread until the others have taken and noted all packets but those that this thread has. */
+/* Stops this thread until all packets that it has not taken itself are delivered by the others. */
 static void hold(struct ledger *ledger)
 {
     struct timespec end;
@@ -83,7 +83,7 @@ static bool next(void *context, uint64_t most, int takers, struct cml_piece *pie
     return count > 0;
 }
 
-/* Callback: a thread hands in its tally of a batch that it was given. */
+/* Callback of the engine: takes the tally of a batch from the thread that flew it. */
 static void note(void *context, int batch, struct cml_tally *tally)
 {
     struct ledger *ledger = context;

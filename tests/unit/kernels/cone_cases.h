@@ -100,7 +100,8 @@ static void an_oblique_ray_at_the_tip_of_a_pit_comes_out_there(void **state)
     }
 }
 
-/* r^2(t) loses its digits here by cancellation. It once became negative, and the ray passed into the hill. */
+/* The ray ends on the axis, where r^2(t) loses its digits by cancellation. A negative r^2 once let the ray
+ * pass into the hill. */
 static void a_ray_that_ends_on_the_axis_under_the_tip_has_hit(void **state)
 {
     (void)state;
@@ -315,7 +316,7 @@ static void a_hit_counts_only_before_t_max(void **state)
     assert_false(shoot_from(&hill, 1024, 0, -1, 1, 0, 1, ABOVE, 1.41, -1).hit);
 }
 
-/* Returns the surface's slopes along x and y by central differences. */
+/* Compares normals with slopes along x and y by central differences. */
 static void normals_are_those_of_finite_differences(void **state)
 {
     (void)state;

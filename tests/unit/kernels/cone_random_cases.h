@@ -415,8 +415,8 @@ static void fly(struct dice *dice, struct walker *walker)
         place(dice, walker);
 }
 
-/* A walk flips its side at each crossing and never looks it up again. One missed crossing would therefore
- * show as a deep place on the wrong side. */
+/* A walk changes its side at each crossing and never computes it from its position. If a crossing were
+ * missed, the walk would go deep into the wrong side, and `worst` would be large. */
 #ifndef FIELDS
 #define FIELDS 25
 #endif

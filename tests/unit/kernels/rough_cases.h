@@ -144,13 +144,14 @@ static int cell_of(int i, struct cml_vec m)
     return (row < SHARES ? row : SHARES - 1) * TURNS + column;
 }
 
-/* Normals drawn from above and below the horizon are counted in cells of slopes and compared with
- * quadrature over the facets seen. Cells that are hardly visible are joined. */
+/* Counts drawn normals in cells of slopes and compares them with quadrature over the facets that the packet
+ * sees. Packets come from above and, after a reflection, from below the plane of the surface. Cells that are
+ * hardly visible are joined. */
 static void drawn_normals_are_those_that_are_seen(void **state)
 {
     (void)state;
-    const double angles[] = {150, 105,
-                             70}; /* angles of flight; the angles of incidence are 30, 75 and 110 degrees */
+    const double angles[] = {
+        150, 105, 70}; /* flight from the normal, in degrees; incidence at 30, 75 and 110 degrees */
     const int draws = repeats(800000);
     for (int i = 0; i < COUNT(surfaces); i++)
         for (int k = 0; k < COUNT(angles); k++) {

@@ -51,7 +51,7 @@ static void only_a_later_signal_ends_the_process(void **state)
         assert_int_equal(code_of(numbers[i], 5999), 0);
         assert_int_equal(code_of(numbers[i], 6002), 128 + numbers[i]);
     }
-    milliseconds = 5500; /* the second is measured from the first signal */
+    milliseconds = 5500; /* this signal does not restart the wait of one second after the first */
     raise(SIGINT);
     assert_int_equal(code_of(SIGINT, 6002), 128 + SIGINT);
 }

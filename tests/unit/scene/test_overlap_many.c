@@ -35,7 +35,8 @@ static void boundaries_by_the_hundred_thousand_are_compared(void **state)
     free(boundaries);
 }
 
-/* Boundaries that all lie at one depth. Planes may; a curved boundary above or below a plane may not. */
+/* All boundaries lie at one depth. Planes may touch; a curved boundary must not touch a plane above or below
+ * it. */
 static void planes_without_a_layer_between_them_are_compared(void **state)
 {
     enum { LAYERS = 100000 };

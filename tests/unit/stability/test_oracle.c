@@ -42,7 +42,7 @@ static void free_pair(struct pair *pair)
     cml_mesh_surface_free(pair->def.mesh);
 }
 
-/* Draws a point of the sheet, moved by 1e-17 to 1, in every other case along one axis only. */
+/* Draws a point on the surface and moves it by 1e-17 to 1; in half of the cases along one axis only. */
 static void choose_point(const struct oracle *oracle, struct dice *dice, double q[3])
 {
     const struct place place = oracle_place(oracle, (enum place_kind)dice_below(dice, 3), dice);

@@ -158,7 +158,8 @@ static int march(const struct made_up *m, const struct path *path, real side, st
 }
 
 struct seen {
-    long settled, known, missed, at_once, searched, at_end; /* the last three are of doubtful packets */
+    /* counts of packets; the last three are of doubtful ones, about which the engine asks the kernels */
+    long settled, known, missed, at_once, searched, at_end;
 };
 
 /* Compares the vector answer for packet k with the kernels' answer. Doubtful packets are only counted,

@@ -21,7 +21,8 @@ static size_t field(const char *header, int count, char *bytes)
     memcpy(bytes, header, length);
     for (int i = 0; i < count; i++) {
         const float height = (float)i;
-        memcpy(bytes + begin + 4 * i, &height, 4); /* tests run on little-endian machines */
+        /* .gsf files are little-endian, like all machines that run the tests */
+        memcpy(bytes + begin + 4 * i, &height, 4);
     }
     return begin + 4 * (size_t)count;
 }

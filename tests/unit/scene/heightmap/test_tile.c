@@ -153,8 +153,8 @@ static void tiles_of_the_same_cells_are_compared(void **state)
     cml_heightmap_clear(&lower);
 }
 
-/* Two tiles, one moved by a cell, have different diagonals: a ridge along one diagonal lies above a groove
- * along the other, between samples that are apart. */
+/* Two tiles, one moved by a cell, whose cells are cut along different diagonals. A groove along one diagonal
+ * crosses a ridge along the other in the middle of a cell: the closest place is no sample of either tile. */
 static void diagonals_that_differ_are_compared_in_the_middle(void **state)
 {
     (void)state;

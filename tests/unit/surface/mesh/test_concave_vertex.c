@@ -132,8 +132,8 @@ static void a_line_along_an_edge_ends_where_it_ends(void **state)
     assert_int_equal(wrong, 0);
 }
 
-/* Lines at small angles to the facets of a concave vertex that is so wide that rounding is large against
- * its depth: crossings lie on the facets. */
+/* Tests lines at small angles to the facets of a very flat concave vertex, where small roundings of positions
+ * move crossings far along the facets. */
 static void a_line_that_grazes_an_edge_ends_where_it_ends(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* Tests of the walk of rays over the cells of a sheet, regular or not, against the exact query of the same
- * mesh. SPDX-License-Identifier: MIT */
+/* Tests of rays that walk from cell to cell of a sheet (a mesh over an even grid of cells, its vertices moved
+ * or not), against the exact query of the same mesh. SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
 #include "scene/heightmap/heightmap.h"
 #include "lib/mesh_shapes.h"

@@ -469,7 +469,7 @@ static void a_sheet_takes_no_more_memory_for_cells_than_half_again_a_tree(void *
     assert_true(cml_mesh_surface_is_sheet(walked));
     assert_false(cml_mesh_surface_is_sheet(searched_for));
     print_message("%.0f bytes per triangle, with a tree %.0f\n", cells / triangles, tree / triangles);
-    assert_true(cells > 44 * triangles); /* bytes of corners and planes alone */
+    assert_true(cells > 44 * triangles); /* corners and planes alone need 44 bytes per triangle */
     assert_true(cells < 1.5 * tree);
     cml_mesh_surface_free(walked);
     cml_mesh_surface_free(searched_for);

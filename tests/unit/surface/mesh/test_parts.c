@@ -333,8 +333,8 @@ static void parts_may_be_closer_than_rounding(void **state)
     }
 }
 
-/* Makes stones that cross and contain each other, boxes whose faces touch or lie in one plane, and a long
- * needle through all. */
+/* Makes the union of stones that cross and contain each other, boxes whose faces touch or lie in one plane,
+ * and a long, thin body through all of them. */
 static void make_union(uint32_t seed)
 {
     soup = (struct soup){.unite = true};

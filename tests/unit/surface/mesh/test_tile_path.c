@@ -63,7 +63,7 @@ static void subject_free(struct subject *s)
     cml_heightmap_clear(&s->map);
 }
 
-/* Returns the primitive of the tile that is this triangle of a copy. */
+/* Returns the triangle of the tile of which this triangle of the mesh of copies is a copy. */
 static int primitive_of(const struct cml_heightmap *map, int triangle)
 {
     const int row = (2 * COPIES + 1) * map->nx, cell = triangle / 2;

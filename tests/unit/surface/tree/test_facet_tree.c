@@ -29,8 +29,8 @@ struct path {
 
 /* ---- scenes ---- */
 
-/* Draws corner k of a facet around `middle`. shape: an ordinary facet, a needle, one lower than any
- * margin, one without an area. */
+/* Draws corner k of a facet around `middle`. shape, from 0: an ordinary facet; a long, narrow one; one
+ * narrower than any margin; one without an area. */
 static void choose_corner(struct dice *dice, int shape, int k, const double along[3], const double middle[3],
                           double size, double corner[3])
 {

@@ -340,7 +340,8 @@ struct cml_source {
     /* Specular reflectance of one packet in weight units, split off at the launch; 0 if packets start in
      * medium 0 or inside. */
     cml_u32 specular;
-    /* Weight that goes up to boundary 0 again in a clear first layer; 0 without such a layer. */
+    /* Light that goes up between the faces of a clear first layer, summed over all passages, in weight units;
+     * 0 without such a layer. */
     cml_u32 between;
     /* Middle of the shape: x and y from the scene's origin, z in the frame of boundary 0, or for a source
      * inside in the frame of its medium. */

@@ -155,7 +155,7 @@ def rows_of(folder, rays, rounds):
 
 
 def mean_by_light(found):
-    """A line on each light: the mean over the exits by their errors."""
+    """Returns a line of text for each light: the mean over its exits, weighted by 1 / error**2."""
     lines = []
     for theta, values in found.items():
         weights = [1 / error**2 for _, error in values]

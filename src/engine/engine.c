@@ -19,8 +19,8 @@ static double path_unit(const struct cml_scene *scene)
     return ldexp(1, exponent - 24);
 }
 
-/* Returns the depth, cm, from which largest depths of packets are measured: no packet that was in the
- * material has its largest depth above this depth. */
+/* Returns the origin, cm, of the scale of packets' largest depths: a level at or above the largest depth of
+ * every packet that was in the material. */
 static double path_top(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     double top = surfaces && surfaces->count > 0 ? fmin(0, surfaces->item[0].lowest) : 0;

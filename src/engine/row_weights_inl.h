@@ -108,8 +108,9 @@ static inline cml_u32 cml_row_hash_of(const struct cml_setup *setup, cml_u32 low
     return cml_row_hash(cml_row_hash(low + run) + high);
 }
 
-/* Returns the rows of packet `index` for a booking. Weights are rounded at random, so their means are kept
- * however small they are. All weights of one packet are rounded alike, so none of them rises. */
+/* Returns what it takes to add packet `index` to the sums of all rows. Weights are rounded at random, so that
+ * means of tiny weights are kept. A packet has one random number for all its roundings, so a later weight of
+ * the packet is never rounded above an earlier one. */
 static inline struct cml_row_packet
 cml_row_packet_of(const struct cml_setup *setup, const struct cml_row_sums *sums, cml_u64 index, real *factor)
 {

@@ -23,8 +23,8 @@ struct cml_exact_options {
     double tolerance; /* the order rises until no error exceeds this */
     /* Number of multiplications beyond which the order does not rise further. */
     double most_work;
-    double walks; /* number of walks at each rough boundary for each order */
-    /* Mirror or lambertian; NULL: no backing; cml_exact_scene uses the scene's. */
+    double walks; /* number of walks at each rough boundary, each time that the order rises */
+    /* Mirror or lambertian backing; NULL: none. cml_exact_scene ignores the member and takes the scene's. */
     const struct cml_backing_def *backing;
     /* [num_layers + 1] roughness of boundaries; NULL: all smooth; cml_exact_scene uses the scene's */
     const struct cml_rough_def *rough;

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Sets the number of a key from the text of a setting. */
+/* Parses the text of a setting and stores it as the value of the key in its struct, `base`. */
 static cml_status set(const struct cml_mci_reader *reader, const struct cml_setting *setting,
                       const struct cml_key *key, void *base)
 {

@@ -126,8 +126,8 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
 }
 
 /* Makes an aim. media: media of the flat scene. tail: whether to make the tail (expected values), which takes
- * longest. The names of the aim are checked in any case; the numbers of the scene can only be refused with
- * the tail. */
+ * longest. The names of the aim are checked in any case. That enough light gets there is only checked with
+ * the tail, because the check needs expected values. */
 static cml_status create(const char *aim, const struct cml_scene *scene,
                          const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                          bool tail, struct cml_aim *to, struct cml_error *err)

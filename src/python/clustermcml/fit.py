@@ -355,8 +355,8 @@ class _Model:
         return self.last.logs[place], self.last.covariance(place)
 
     def spread(self, u: Any, noise: Any) -> Any:
-        """Returns standard errors [numbers, parameters] of the slopes of flights with this noise, as if flights were
-        independent."""
+        """Returns standard errors [numbers, parameters] of slopes made of flights whose numbers have the standard errors
+        `noise`, as if flights were independent of each other."""
         return np.outer(noise, np.linalg.norm(_jacobian(self.shares, u), axis=0))
 
     def slopes_noise(self, u: Any, noise: Any) -> tuple[Any, Any]:

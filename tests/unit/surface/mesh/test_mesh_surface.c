@@ -455,8 +455,8 @@ static void a_tessellated_hill_has_the_normals_of_its_cones(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* Vertices are moved sideways by up to a fifth of a cell. Cells with lists then take about as much memory
- * as a tree. */
+/* Vertices are moved sideways by up to a fifth of a cell. So cells need lists of facets, and
+ * may then take at most 1.5 times the memory of a tree. */
 static void a_sheet_takes_no_more_memory_for_cells_than_half_again_a_tree(void **state)
 {
     (void)state;

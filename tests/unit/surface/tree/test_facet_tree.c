@@ -97,8 +97,8 @@ static void choose_target(const struct soup *soup, struct dice *dice, int facet,
         cml_vec3_add_scaled(target, weight[k] / sum, cml_centred_corner(&soup->centred, facet, k), target);
 }
 
-/* Draws a path from anywhere in the box, vertically, or along an axis, at a target. It ends before the
- * target, at it, behind it, or nowhere. */
+/* Draws a path to a target on a facet: from a point of the box, vertically, or along an axis. The path ends
+ * before the target, at it, behind it, or nowhere. */
 static void aim(const struct soup *soup, struct dice *dice, struct path *path)
 {
     const int facet = dice_below(dice, (int)soup->centred.mesh.num_triangles), axis = dice_below(dice, 6);

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """Writes the meshes and heightmaps of this folder: generate.py [DIRECTORY], by default beside this script.
 
-Meshes: lengths are in cm, heights up, faces counter-clockwise seen from above. Only the standard library is needed. Numbers are rounded to 1e-6 cm,
-so that every machine writes the same bytes.
-
+Meshes: lengths in cm, heights up, faces counter-clockwise seen from above. Only the standard library is needed; the
+numbers are rounded to 1e-6 cm, so that every machine writes the same bytes.
 SPDX-License-Identifier: MIT
 """
 import math
@@ -24,7 +23,7 @@ def write(directory, name, title, vertices, faces):
 
 
 def wedge():
-    """Returns a ramp of slope 1/7 along x with a steep back, on a flat skirt, without symmetry."""
+    """A ramp of slope 1/7 along x with a steep back, on a flat skirt; no symmetry."""
     outer = [(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]
     inner = [(-0.4, -0.35, 0), (0.4, -0.35, 0), (0.4, 0.4, 0), (-0.4, 0.4, 0)]
     top = [(0.3, -0.25, 0.1), (0.3, 0.3, 0.1)]
@@ -33,13 +32,13 @@ def wedge():
         j = (i + 1) % 4
         faces += [(i, j, 4 + j), (i, 4 + j, 4 + i)]
     faces += [(4, 8, 9), (4, 9, 7)]  # the ramp
-    faces += [(5, 6, 9), (5, 9, 8)]  # steep back of the ramp
-    faces += [(4, 5, 8), (6, 7, 9)]  # sides of the ramp
+    faces += [(5, 6, 9), (5, 9, 8)]  # its back
+    faces += [(4, 5, 8), (6, 7, 9)]  # its sides
     return outer + inner + top, faces
 
 
 def ridges():
-    """Returns skin: two sets of oblique, skewed ridges that fade out towards the border."""
+    """Skin: two sets of oblique, skewed ridges that fade out towards the border."""
     n = 50
 
     def height(x, y):
@@ -62,19 +61,19 @@ def ridges():
 
 
 def prism():
-    """Returns a roof along y: two slopes of 45 degrees that meet at a right angle, with upright gables."""
+    """A roof along y: two slopes of 45 degrees that meet at a right angle, upright gables."""
     vertices = [(-0.5, -1, 0), (0.5, -1, 0), (0.5, 1, 0), (-0.5, 1, 0), (0, -1, 0.5), (0, 1, 0.5)]
     return vertices, [(0, 4, 5), (0, 5, 3), (1, 2, 5), (1, 5, 4), (0, 1, 4), (2, 3, 5)]
 
 
 def pyramid():
-    """Returns a pyramid: four faces and a tip above the origin."""
+    """Four faces and a tip above the origin."""
     vertices = [(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0), (0, 0, 0.25)]
     return vertices, [(i, (i + 1) % 4, 4) for i in range(4)]
 
 
 def overhang():
-    """Returns a leaning mushroom, whose cap overhangs the stem, so that the surface is not a function of x and y."""
+    """A leaning mushroom: the cap overhangs the stem, so the surface is not a function of x and y."""
     n = 24
     profile = [(0.5, 0, 0), (0.15, 0, 0), (0.12, 0.1, 0.01), (0.3, 0.12, 0.03), (0.32, 0.16, 0.03),
                (0.25, 0.24, 0.03), (0.12, 0.29, 0.03)]  # radius, height, shift along x
@@ -95,7 +94,7 @@ def overhang():
 
 
 def spikes():
-    """Returns ten by ten pyramids, 0.1 cm wide and 0.5 cm high, of slope 10. The origin lies on no edge."""
+    """Ten by ten pyramids, 0.1 cm wide and 0.5 cm high: slope 10. The origin is on no edge."""
     n, width, height = 10, 0.1, 0.5
     x0, y0 = -0.47, -0.48
     vertices = [(x0 + width * i, y0 + width * j, 0) for j in range(n + 1) for i in range(n + 1)]
@@ -109,7 +108,7 @@ def spikes():
 
 
 def vein():
-    """Returns a winding vein below skin: a closed tube of 12 sides, 0.012 cm in radius, with its middle 0.026 to 0.046 cm deep."""
+    """A winding vein below skin: a closed tube of 12 sides, 0.012 cm in radius, its middle 0.026 to 0.046 cm deep."""
     rings, sides, radius = 72, 12, 0.012
 
     def middle(t):
@@ -138,7 +137,7 @@ def vein():
 
 
 def gsf(nx, ny, step, height):
-    """Returns the bytes of a Gwyddion Simple Field of heights that are `step` m apart."""
+    """A Gwyddion Simple Field of heights that are `step` m apart."""
     head = "Gwyddion Simple Field 1.0\nXRes = %d\nYRes = %d\nXReal = %.9g\nYReal = %.9g\n" % (
         nx, ny, nx * step, ny * step)
     head += "XYUnits = m\nZUnits = m\nTitle = made by meshes/generate.py, not measured\n"
@@ -147,7 +146,7 @@ def gsf(nx, ny, step, height):
 
 
 def skin():
-    """Returns a scan of skin: fine isotropic roughness over a shallow furrow, 96 x 64 heights 25 um apart."""
+    """A scan of skin: fine isotropic roughness over a shallow furrow, 96 x 64 heights 25 um apart."""
     nx, ny, step = 96, 64, 25e-6  # m
     waves = [(3.1 + 2.3 * k, 2.399963 * k, 1.7 * k * k) for k in range(24)]  # waves per width, direction, phase
 
@@ -160,7 +159,7 @@ def skin():
 
 
 def furrows():
-    """Returns skin whose furrows meet in triangles, as a tile whose ends fit: 64 x 64 heights 25 um apart, 60 um deep."""
+    """Skin whose furrows meet in triangles, and whose ends fit: 64 x 64 heights 25 um apart, 60 um deep."""
     n = 64
     sets = ((2, 1, 0.3), (-1, 2, 1.1), (-1, -3, 2.0))  # waves along x and y in a period, phase
 
@@ -174,7 +173,7 @@ def furrows():
 
 
 def stripes():
-    """Returns an image for a beam, in place of heights: three rows of stripes, 48 x 48 pixels of 1 x 1 cm."""
+    """No heights but an image, for a beam: three rows of stripes, 48 x 48 pixels of 1 x 1 cm."""
     n = 48
 
     def bright(i, j):
@@ -184,7 +183,7 @@ def stripes():
 
 
 def grooves():
-    """Returns a turned plate: saw-tooth grooves along y, 60 x 40 heights in mm, 0.05 mm apart."""
+    """A turned plate: saw-tooth grooves along y, 60 x 40 heights in mm, 0.05 mm apart."""
     nx, ny = 60, 40
     lines = ["ncols %d" % nx, "nrows %d" % ny, "xllcorner 0", "yllcorner 0", "cellsize 0.05", "NODATA_value -9999"]
     for j in range(ny):

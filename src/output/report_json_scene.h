@@ -18,7 +18,7 @@ struct cml_json_subject {
 };
 
 /* A list that may be long, so its elements are made one at a time while they are written. The object has
- * `key` as a placeholder for the list. */
+ * `key` where the list will stand. */
 struct cml_json_list {
     const char *key;
     int count;

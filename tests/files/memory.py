@@ -162,7 +162,7 @@ def check_refusal(verdict):
             verdict.check("refusal", done.returncode == 2 and re.search(r"takes 55\.\d GiB", done.stderr), done.stderr)
             verdict.check("refusal", os.listdir(keep) == ["scene.mci"], "and nothing written")
         done, _ = run(scene("map 24000 24000 1e-4 1e-4"), keep)
-        verdict.check("refusal", done.returncode == 2 and "2.3e+09, 51.5 GiB" in done.stderr, done.stderr)
+        verdict.check("refusal", done.returncode == 2 and "2.3e+09 (51.5 GiB)" in done.stderr, done.stderr)
 
 
 def check_saved(verdict):

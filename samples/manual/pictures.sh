@@ -116,3 +116,6 @@ page recipes/original-mcml.md hill.svg=recipe-hill.svg
 "$program" plot "$folder/skinmap.h5" --of Rd --linear --label "R(x, y) of samples/skinmap.mci" -o pictures/output-map.svg
 "$program" view ../mixed.mci -o pictures/python-view.svg
 cp ../../bench/accuracy/results/summary-amd-epyc-2core.svg pictures/validation.svg
+
+# instruments
+page recipes/watts.md watts.svg=recipe-watts.svg

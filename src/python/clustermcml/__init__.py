@@ -33,9 +33,10 @@ from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
 from .surfaces import Heightfield, Heightmap, Mesh, Relief, Rough
 from .sweep import sweep
 from .view import view
+from .watts import scale
 
 __all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
-           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "sweep", "trace", "view"]
+           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "scale", "sweep", "trace", "view"]
 
 
 def __getattr__(name: str) -> str:

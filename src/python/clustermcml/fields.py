@@ -15,6 +15,7 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
+OF_THE_SCENE = re.compile(r"layer_\w+|body_(n|mua|mus|g|of_facet)|(boundary\d+|body)_area")  # arrays that belong to the scene and are equal in all results
 OF_DETECTED = re.compile(r"(detector_\w+)_(path|interactions|momentum|deepest)")  # means over the packets that a detector has seen
 
 
@@ -98,3 +99,19 @@ class Fields:
     def dataset(self) -> xr.Dataset:
         import xarray as xr
         return xr.Dataset({name: xr.DataArray(one.values, dims=one.dims, attrs=one.attrs) for name, one in self.held.items()}, attrs=self.attrs)
+
+
+def spread_over_mua(result: Fields, name: str) -> Field:
+    """Returns absorption divided by mua of the layer in which a bin lies. NaN in bins that several media share, and where nothing absorbs."""
+    array = result[name]
+    z, layers = array.axes["z"].values, result["layer_mua"].values
+    edges = np.concatenate(([0.0], np.cumsum(result["layer_d"].values)))
+    low, high = z - z[0], z + z[0]
+    mua = layers[np.clip(np.searchsorted(edges, z, side="right") - 1, 0, layers.size - 1)]
+    shapes = [(float(a), float(b)) for of in ("boundary", "body") if f"{of}_z_min" in result
+              for a, b in zip(result[f"{of}_z_min"].values, result[f"{of}_z_max"].values) if a < b]
+    mixed = low > edges[-1]
+    for top, bottom in [(edge, edge) for edge in edges[1:-1]] + shapes:
+        mixed |= (low < bottom - 1e-9) & (high > top + 1e-9)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return array.times(np.where(mixed | (mua == 0), np.nan, 1 / mua))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Sequence, Union
 import numpy as np
 
 from . import errors
-from .fields import OF_DETECTED
+from .fields import OF_DETECTED, OF_THE_SCENE
 from .program import MEASURED
 from .results import read
 
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     Result = Union[xr.Dataset, str, os.PathLike[str]]
 
 OF_A_RUN = {"title", "photons", "seed", "run", "merged", "identity", "version", "source", "engine", "sampling", "roulette_below", "roulette_weight", "lost_indices", *MEASURED}  # attributes in which results may differ
-OF_THE_SCENE = re.compile(r"layer_\w+|body_(n|mua|mus|g|of_facet)|\w+_area")  # arrays that belong to the scene and are equal in all results
 DIGITS = 1e-5  # relative precision of the scene's numbers in an .mco
 SUMS = ("lost", "residue")
 STREAM = re.compile(r"seed (\d+), run (\d+)")

@@ -18,11 +18,12 @@ import numpy as np
 
 from . import errors
 from .command_line import Parser, check_overwrite, print_text, readable, shown_path
-from .fields import Field, Fields
+from .fields import Field, spread_over_mua
 from .mco import AXES, QUANTITIES
 from .pictures import COLOURS, add_caption, drawing, save
 from .results import read_as
 from .scales import ends_of, is_counted, label_of, marked, set_powers, set_scale
+from .watts import lit
 
 MARKS = "oshDv^P*"
 MOST = 64  # most files in a picture
@@ -41,38 +42,28 @@ class Curve(NamedTuple):
 
 # ---- results ----
 
-def _spread_over_mua(result: Fields, name: str) -> Field:
-    """Returns absorption divided by mua of the layer in which a bin lies. NaN in bins that several media share, and where nothing absorbs."""
-    array = result[name]
-    z, layers = array.axes["z"].values, result["layer_mua"].values
-    edges = np.concatenate(([0.0], np.cumsum(result["layer_d"].values)))
-    low, high = z - z[0], z + z[0]
-    mua = layers[np.clip(np.searchsorted(edges, z, side="right") - 1, 0, layers.size - 1)]
-    shapes = [(float(a), float(b)) for of in ("boundary", "body") if f"{of}_z_min" in result
-              for a, b in zip(result[f"{of}_z_min"].values, result[f"{of}_z_max"].values) if a < b]
-    mixed = low > edges[-1]
-    for top, bottom in [(edge, edge) for edge in edges[1:-1]] + shapes:
-        mixed |= (low < bottom - 1e-9) & (high > top + 1e-9)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return array.times(np.where(mixed | (mua == 0), np.nan, 1 / mua))
-
-
 class Result:
-    """A file of results, which finds the arrays that the words of --of name."""
+    """A file of results, which finds the arrays that the words of --of name. amount: power or energy of the beam in `light`, W or J."""
 
-    def __init__(self, path: str) -> None:
-        self.path, self.data = path, read_as(readable(path))
+    def __init__(self, path: str, amount: float = 1.0, light: str = "") -> None:
+        self.path, self.data, self.amount, self.light = path, read_as(readable(path)), amount, light
 
     def of(self, name: str) -> tuple[Field, Optional[Field]]:
         """Returns the array and its standard errors, None if unknown."""
+        array, known = self._as_read(name)
+        if not self.light:
+            return array, known
+        return lit(array, self.amount, self.light), None if known is None else lit(known, self.amount, self.light)
+
+    def _as_read(self, name: str) -> tuple[Field, Optional[Field]]:
         if name in ("fluence", "fluence_rz"):
             of, unit = ("A_z", "1") if name == "fluence" else ("A_rz", "1/cm2")
             if "lacks" in self.data.attrs:
                 raise errors.InputError(f"{self.data.attrs['lacks']}: missing or of another run (expected the .h5 of this run: a fluence needs the extents of shapes)")
             if of not in self.data or not (self.data["layer_mua"].values > 0).any():
                 raise errors.InputError(f"{self.path}: mua = 0 in all layers (expected a layer that absorbs, for a fluence)")
-            known = _spread_over_mua(self.data, of + "_se") if of + "_se" in self.data else None
-            return replace(_spread_over_mua(self.data, of), name=name, attrs={"long_name": f"fluence, {of} over mua", "units": unit}), known
+            known = spread_over_mua(self.data, of + "_se") if of + "_se" in self.data else None
+            return replace(spread_over_mua(self.data, of), name=name, attrs={"long_name": f"fluence, {of} over mua", "units": unit}), known
         if name + "_xy" in self.data and (name not in self.data or not self.data[name].dims):
             name += "_xy"
         if name in self.data.names() and not self.data[name].dims:
@@ -128,7 +119,7 @@ def _curve(array: Field, known: Optional[Field], times_r: bool) -> Curve:
     factor = axis.values if times_r else 1.0
     y, error = array.values * factor, None if known is None else known.values * factor
     long = str(array.attrs.get("long_name", "")).partition(";")[0]
-    drawn = f"r·{array.name}(r)  [1/cm]" if times_r else label_of(array)
+    drawn = label_of(replace(array, attrs={"units": str(array.attrs.get("units", "1")).replace("cm2", "cm")}), f"r·{array.name}(r)") if times_r else label_of(array)
     return Curve(axis.values[:end], y[:end], None if error is None else error[:end], False, drawn + ("\n" + long if long and not times_r else ""), label_of(axis))
 
 
@@ -470,6 +461,7 @@ def _draw_facets(matplotlib: Any, figure: Any, given: argparse.Namespace, source
     from .facets import draw_mesh, read_mesh
     shape, _, name = given.of.partition("_")
     meshes = [read_mesh(re.sub(r"\.h5$", "", source.path, flags=re.IGNORECASE) + (".bodies.vtp" if shape == "body" else f".{shape}.vtp"), name) for source in sources]
+    meshes = [mesh._replace(values=mesh.values * source.amount) for mesh, source in zip(meshes, sources)]
     norm = _norm(matplotlib, [mesh.values for mesh in meshes], given)
     panels = figure.subplots(1, len(meshes), squeeze=False, subplot_kw={"projection": "3d"})[0]
     for axes, mesh, label in zip(panels, meshes, given.labels):
@@ -511,6 +503,8 @@ def _parser() -> Parser:
     parser.add_output("the picture: .svg, .png, .pdf or .eps; default plot.svg", "plot.svg")
     parser.add_argument("--of", metavar="NAME", help="an array of the file, its errors NAME_se, or fluence, fluence_rz (A_z, A_rz over mua); of a map Rd or Tt; of a sweep a column; default r*Rd(r) and r*Tt(r), of a sweep Rd")
     parser.add_argument("--cut", metavar="AXIS=A", type=_cut, action="append", default=[], help="an array of more axes at one place of an axis, in its unit (cm, rad, ps, or a number of a layer); of voxels y=0 without it")
+    for name, unit, text in (("power", "W", "as W, W/cm2, W/cm3 ..."), ("energy", "J", "as J, J/cm2, J/ps ...")):
+        parser.add_argument("--" + name, metavar=unit, type=parser.number(f"a number > 0 [{unit}]", 1e-300, 1e300), help=f"{name} of the beam [{unit}]: light is drawn {text}")
     parser.add_argument("--over", metavar="NAME[,NAME]", help="of a sweep: the column along the lower axis, default what was swept first; two: in colours over both")
     parser.add_argument("--by", metavar="NAME", help="of a sweep: a curve for each value of this column; default where rows need it")
     parser.add_argument("--label", metavar="TEXT", action="append", default=[], help="in place of a file's name; once for each file, in their order")
@@ -534,6 +528,9 @@ def _sources(given: argparse.Namespace) -> tuple[str, list[Any]]:
     for path in given.files:
         if path.lower().endswith((".vti", ".vtp")):
             raise errors.InputError(f"{shown_path(path)} (expected the .h5 beside it, which has the same arrays, and --of)")
+    light = [(amount, unit) for amount, unit in ((given.power, "W"), (given.energy, "J")) if amount is not None]
+    if len(light) > 1 or light and any(tables):
+        raise errors.InputError(f"--{'power' if light[0][1] == 'W' else 'energy'} {light[0][0]:g} (expected with results, .h5 or .mco, and one of --power and --energy)")
     if any(tables):
         if not all(tables):
             raise errors.InputError(f"{shown_path(given.files[tables.index(False)])} (expected the table of a sweep, like {shown_path(given.files[tables.index(True)])})")
@@ -541,7 +538,7 @@ def _sources(given: argparse.Namespace) -> tuple[str, list[Any]]:
     for option in ("over", "by"):
         if getattr(given, option):
             raise errors.InputError(f"--{option} (expected with the table of a sweep, NAME.sweep.csv)")
-    sources: list[Any] = [path if path.lower().endswith(".csv") else Result(path) for path in given.files]
+    sources: list[Any] = [path if path.lower().endswith(".csv") else Result(path, *sum(light, ())) for path in given.files]
     results = [source for source in sources if isinstance(source, Result)]
     array = results[0].cut(given.of, given.cut)[0] if results and given.of else None
     if array is not None and str(array.dims[0]).endswith("facet"):

@@ -119,3 +119,4 @@ cp ../../bench/accuracy/results/summary-amd-epyc-2core.svg pictures/validation.s
 
 # instruments
 page recipes/watts.md watts.svg=recipe-watts.svg
+python3 pictures_recipes.py phantom pictures/recipe-phantom.svg

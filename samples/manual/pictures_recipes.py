@@ -1,6 +1,7 @@
-"""Draws two pictures of the recipes from stored tables: pictures_recipes.py cluster|totals PICTURE
+"""Draws pictures of the recipes from stored tables: pictures_recipes.py cluster|phantom|totals PICTURE
 
 cluster: the efficiency of many ranks that bench/speed/scaling.py has predicted.
+phantom: the phase function in samples/polystyrene.txt, beside Henyey and Greenstein's of the same mean cosine.
 totals: differences of the totals in recipes/samples.md from independent values, in standard errors.
 
 SPDX-License-Identifier: MIT
@@ -67,9 +68,19 @@ def totals(figure):
     axes.legend(loc="lower right")
 
 
+def phantom(figure):
+    axes, g = figure.subplots(), 0.92175
+    rows = [tuple(map(float, line.split())) for line in read("..", "polystyrene.txt").splitlines() if not line.startswith("#")]
+    axes.plot(*zip(*rows), color=BLUE, label="spheres of 1 µm, Mie")
+    other = [(1 - g**2) / (4 * math.pi * (1 + g**2 - 2 * g * math.cos(math.radians(angle))) ** 1.5) for angle, _ in rows]
+    axes.plot([angle for angle, _ in rows], other, "--", color=ORANGE, label="Henyey and Greenstein, g = 0.922")
+    axes.set(yscale="log", xlim=(0, 180), xticks=range(0, 181, 30), xlabel="scattering angle [degrees]", ylabel="phase function [1/sr]")
+    axes.legend()
+
+
 def main(kind, path):
     figure = plt.figure(figsize=(6.2, 3.6), layout="constrained")
-    {"cluster": cluster, "totals": totals}[kind](figure)
+    {"cluster": cluster, "phantom": phantom, "totals": totals}[kind](figure)
     figure.savefig(path, metadata={"Date": None, "Creator": None})
 
 

@@ -24,6 +24,7 @@ from .errors import ClustermcmlError, InputError
 from .fit import Fit, fit
 from .material import Material, read_material
 from .merge import merge
+from .mie import Mie, mie
 from .phases import Phase
 from .photons import Saved, read_photons
 from .profile import Profile, profile
@@ -35,8 +36,8 @@ from .sweep import sweep
 from .view import view
 from .watts import scale
 
-__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
-           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "scale", "sweep", "trace", "view"]
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Mie", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
+           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "mie", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "scale", "sweep", "trace", "view"]
 
 
 def __getattr__(name: str) -> str:

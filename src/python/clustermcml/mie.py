@@ -21,7 +21,7 @@ MOST = 2**16  # most intervals of the table
 
 @dataclass(frozen=True)
 class Mie:
-    """What spheres do to light. `Layer(n=n_medium, mua=..., mus=found.mus, g=found.g, d=..., phase=found.phase)` scatters as they do.
+    """Scattering and absorption by spheres in a medium. `Layer(n=n_medium, mua=..., mus=found.mus, g=found.g, d=..., phase=found.phase)` scatters as they do.
 
     Attributes:
         mus: Scattering coefficient [1/cm].

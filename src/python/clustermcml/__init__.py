@@ -22,6 +22,7 @@ from .compare import compare
 from .detectors import Detector
 from .errors import ClustermcmlError, InputError
 from .fit import Fit, fit
+from .integrating_sphere import sphere
 from .material import Material, read_material
 from .merge import merge
 from .mie import Mie, mie
@@ -37,7 +38,7 @@ from .view import view
 from .watts import scale
 
 __all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Mie", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
-           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "mie", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "scale", "sweep", "trace", "view"]
+           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "mie", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "scale", "sphere", "sweep", "trace", "view"]
 
 
 def __getattr__(name: str) -> str:

@@ -14,15 +14,17 @@ import dataclasses
 import os
 import re
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Union, cast
 
 import numpy as np
 
 from . import errors
 from .command_line import picture_name
 from .commands import check
+from .fit_numbers import lagrange, root, start
+from .integrating_sphere import SphereScene, sphere_scene
 from .mco import read_mco
-from .measured import PROFILES, TOTALS, Data, is_detector, read_measured
+from .measured import PROFILES, SPHERES, TOTALS, Data, read_measured
 from .options import FitOptions, Path, shown
 from .program import fly, option_words, scene_file, scratch_folder
 from .scene import Scene
@@ -232,10 +234,12 @@ def _numbers(data: Data, told: Mapping[str, Any], result: Any) -> tuple[Any, Any
     return data.pick(of), data.pick(error_of)
 
 
-def _fly_rows(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows: int, options: Mapping[str, Any],
+def _fly_rows(scene: Union[Scene, SphereScene, Path], words: Callable[[str], list[str]], rows: int, options: Mapping[str, Any],
               read: Callable[[Mapping[str, Any]], Any]) -> list[tuple[Mapping[str, Any], Any]]:
     """Flies all rows. Returns, for each, the answer of the program and what `read` finds in its files. words: function that
     writes files into a folder and returns the options that name them."""
+    if isinstance(scene, SphereScene):
+        return cast("list[tuple[Mapping[str, Any], Any]]", scene.rows(_fly_rows, _bins, words, rows, options, read))
     with scratch_folder() as scratch, scene_file(scene, scratch) as file:
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", ".*effective packets")  # silent, because most rows are far from the solution and their noise does not matter
@@ -246,7 +250,7 @@ def _fly_rows(scene: Union[Scene, Path], words: Callable[[str], list[str]], rows
         return [(row, read(row)) for row in sorted(said, key=lambda row: int(row["row"] or 0))]
 
 
-def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, float], data: Data, options: Mapping[str, Any]) -> _Flight:
+def _fly(scene: Union[Scene, SphereScene, Path], grids: Mapping[str, Any], mus: Mapping[str, float], data: Data, options: Mapping[str, Any]) -> _Flight:
     columns = [*grids, *mus]
     rows = [[*row, *mus.values()] for row in np.stack(np.meshgrid(*map(np.exp, grids.values()), indexing="ij"), -1).reshape(-1, len(grids))] \
         if grids else [list(mus.values())]
@@ -270,10 +274,10 @@ def _fly(scene: Union[Scene, Path], grids: Mapping[str, Any], mus: Mapping[str, 
 
 
 def _slope(name: str, kind: str) -> str:
-    return f"{name}_d{kind}" if is_detector(name) else f"d{'Rd' if name == 'R' else name}_d{kind}"
+    return f"d{'Rd' if name == 'R' else name}_d{kind}" if name in TOTALS + PROFILES else f"{name}_d{kind}"
 
 
-def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: Data, options: Mapping[str, Any]) -> _Anchor:
+def _anchor(scene: Union[Scene, SphereScene, Path], names: list[str], u: Any, data: Data, options: Mapping[str, Any]) -> _Anchor:
     kinds = list(dict.fromkeys(name[-3:] for name in names))
     slopes = [_slope(name, kind) for name in dict.fromkeys(data.names) if name not in TOTALS for kind in kinds]
     fixed = {**options, "set": {**(options.get("set") or {}), **dict(zip(names, map(float, np.exp(u))))}}
@@ -295,14 +299,6 @@ def _anchor(scene: Union[Scene, Path], names: list[str], u: Any, data: Data, opt
     told = np.isfinite(turns) & (noise > 0)
     return _Anchor(u, np.log(known), np.where(told, turns, 0), np.where(told, noise, np.inf),
                    _noise(data, model, sigma, _measures(data, result), row, row["photons"]))
-
-
-def _lagrange(grid: Any, x: float) -> tuple[int, Any]:
-    """Returns the first of four places of an even grid around x, and their weights for cubic interpolation."""
-    t = (x - grid[0]) / (grid[1] - grid[0])
-    first = int(np.clip(np.floor(t) - 1, 0, len(grid) - 4))
-    s = t - first
-    return first, np.array([np.prod([(s - m) / (k - m) for m in range(4) if m != k]) for k in range(4)])
 
 
 class _Model:
@@ -328,7 +324,7 @@ class _Model:
     def along(self, flight: _Flight, mua: Any) -> Any:
         logs = flight.logs
         for grid, x in zip(self.grids, mua):
-            first, weights = _lagrange(grid, x)
+            first, weights = lagrange(grid, x)
             logs = np.tensordot(weights, logs[first:first + 4], 1)
         return logs
 
@@ -403,13 +399,6 @@ def _minimum(residual: Callable[[Any], Any], u: Any, low: Any, high: Any) -> Any
     return u
 
 
-def _start(residual: Callable[[Any], Any], low: Any, high: Any) -> Any:
-    """Returns the best point of an even net between the bounds."""
-    n = {1: 41, 2: 17}.get(len(low), 7)
-    net = np.stack(np.meshgrid(*[np.linspace(a, b, n) for a, b in zip(low, high)], indexing="ij"), -1).reshape(-1, len(low))
-    return min(net, key=lambda u: float(np.sum(residual(u) ** 2)))
-
-
 def _errors(J: Any, noise: Any) -> tuple[Any, Any, Any]:
     """Returns the covariance of the logarithms, which parameters the data leave open, and which parameters are known mostly by
     noise of the slopes.
@@ -423,12 +412,6 @@ def _errors(J: Any, noise: Any) -> tuple[Any, Any, Any]:
     share, axes = np.linalg.eigh(root.T @ noise @ root)
     honest = root @ axes / np.sqrt(1 - np.minimum(share, 0.99))
     return honest @ honest.T, (np.abs(v[lost]) > 0.1).any(axis=0), np.sum(root**2, axis=1) < (1 - NOISY) * np.sum(honest**2, axis=1)
-
-
-def _root(correlation: Any) -> Any:
-    """Returns a matrix R with R R^T = correlation."""
-    values, axes = np.linalg.eigh(correlation)
-    return axes * np.sqrt(np.maximum(values, 0))
 
 
 def _correlation(covariance: Any) -> Any:
@@ -466,7 +449,7 @@ def _solve(data: Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> 
 
     def residual(u: Any) -> Any:
         return np.linalg.solve(factor, np.exp(model(u)) - data.values)
-    u = _minimum(residual, _start(residual, low, high) if u is None else u, low, high)
+    u = _minimum(residual, start(residual, low, high) if u is None else u, low, high)
     logs, covariance = model.noise_at(u)
     expected = np.sqrt(np.clip(data.values / np.exp(logs), 0.25, 4))
     noise = covariance * np.outer(expected, expected)
@@ -485,8 +468,8 @@ def _solve(data: Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> 
     def redrawn(dice: Any) -> Any:
         """Returns the correlation that other flights of equal noise would give, with slopes and a covariance redrawn from as
         many batches."""
-        batches = _root(noise) @ dice.standard_normal((len(noise), BATCHES - 1))
-        drawn = _root(noise / np.outer(sigma, sigma)) @ dice.standard_normal(turns.shape) @ _root(alike).T
+        batches = root(noise) @ dice.standard_normal((len(noise), BATCHES - 1))
+        drawn = root(noise / np.outer(sigma, sigma)) @ dice.standard_normal(turns.shape) @ root(alike).T
         other = np.linalg.cholesky(np.diag(data.errors**2) + batches @ batches.T / (BATCHES - 1))
         return _correlation(_errors(np.linalg.solve(other, turns + spread * drawn), slopes)[0])
     dice = np.random.default_rng(1)
@@ -519,7 +502,7 @@ def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data
 
 @shown
 def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]], measured: Mapping[str, Any], *, flights: int = 6,
-        **options: Unpack[FitOptions]) -> Fit:
+        sphere: Optional[Mapping[str, Any]] = None, **options: Unpack[FitOptions]) -> Fit:
     """Fits absorption and scattering of layers and bodies to measurements, by least squares.
 
     Args:
@@ -527,7 +510,9 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
         parameters: {name: (least, greatest)}, with names as `set` takes them: layer1.mua, layer2.mus, body1.mua. At most three are mua.
         measured: {name: (value, standard error)} of Rd, R = Rsp + Rd, Tt and detectors such as detector_near, which have no light in common;
             {name: (values, errors)} of Rd_r, Tt_r, Rd_a and Tt_a, in the units and bins of results, nan where nothing is known. The last bin of r is left out.
+            M_R and M_T are readings of a single integrating sphere with a port, which `sphere` describes.
         flights: Most flights.
+        sphere: Arguments of `mc.sphere` that describe the instrument: {"port": 0.5, "radius": 5, "wall": 0.97, "standard": 0.99}.
         **options: As of `run`: photons=1e5, seed=2. More photons lessen the model's own noise, which is part of the errors.
 
     Returns:
@@ -545,10 +530,11 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     names = mua + mus
     numbered = _numbered(scene, names)
     low, high = (np.array([limits[name][end] for name in names]) for end in (0, 1))
+    flown_scene = sphere_scene(scene, [name for name in SPHERES if name in measured], sphere) if sphere or {*SPHERES} & {*measured} else scene
     grids = {name: np.linspace(*limits[name], ROWS[len(mua)]) for name in mua}
 
     def fly_at(x: Any) -> _Flight:
-        return _fly(scene, grids, {name: float(np.exp(value)) for name, value in zip(mus, x)}, data, options)
+        return _fly(flown_scene, grids, {name: float(np.exp(value)) for name, value in zip(mus, x)}, data, options)
 
     def moved(found: _Solution, place: Any, reach: float) -> bool:
         return bool(np.any(np.abs(found.u[len(mua):] - place) > np.maximum(reach * found.sigma[len(mua):], 1e-3)))
@@ -563,7 +549,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     count = len(flown)
     seeded: dict[str, Any] = {**options, "seed": (flown[-1].seed + OTHER_SEED) % 2**53}
     while own and count < most:
-        anchor = _anchor(scene, numbered, found.u, data, seeded)
+        anchor = _anchor(flown_scene, numbered, found.u, data, seeded)
         found, count = _solve(data, _Model(grids, flown, anchor), low, high, found.u), count + 1
         open_ = moved(found, anchor.u[len(mua):], REACH)
         if not open_:

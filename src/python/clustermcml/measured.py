@@ -17,6 +17,7 @@ from .scene import Scene
 
 TOTALS = ("Rd", "Tt", "R")  # R = Rsp + Rd, which an integrating sphere may see
 PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a")
+SPHERES = ("M_R", "M_T")  # readings of a single integrating sphere with a port
 DETECTOR = "detector_"  # names begin so for light that a detector has seen
 SLACK = 4  # standard errors by which a number may lie below 0 or above all light
 LEAST, MOST = 1e-30, 1e30  # limits of errors and profiles, whose squares must fit into doubles
@@ -58,7 +59,7 @@ def _sides(scene: Union[Scene, Path], measured: Mapping[str, Any]) -> dict[str, 
     for name in filter(is_detector, measured):
         if name not in seen:
             raise errors.refuse("measured", name, "detectors of the scene, " + (" ".join(seen) or "which has none"))
-    return {**{name: name[0] for name in PROFILES}, **{name: "R" if side == "top" else "T" for name, side in seen.items()}}
+    return {**{name: name[0] for name in PROFILES}, **{name: name[-1] for name in SPHERES}, **{name: "R" if side == "top" else "T" for name, side in seen.items()}}
 
 
 def is_detector(name: Any) -> bool:
@@ -66,8 +67,8 @@ def is_detector(name: Any) -> bool:
 
 
 def check_name(where: str, name: Any) -> None:
-    if name not in TOTALS + PROFILES and not is_detector(name):
-        raise errors.refuse(where, name, "names among " + " ".join(TOTALS + PROFILES) + ", and detector_NAME")
+    if name not in TOTALS + PROFILES + SPHERES and not is_detector(name):
+        raise errors.refuse(where, name, "names among " + " ".join(TOTALS + PROFILES + SPHERES) + ", and detector_NAME")
 
 
 def check_number(where: str, name: str, value: float, error: float) -> None:
@@ -114,5 +115,9 @@ def read_measured(measured: Any, scene: Union[Scene, Path]) -> Data:
     for one in filter(is_detector, measured):
         for other in PROFILES:
             if other in measured and sides[other] == sides[one]:
+                raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
+    for one in filter(SPHERES.__contains__, measured):
+        for other in measured:
+            if other != one and (sides[other] if other in sides else other[0]) == sides[one]:
                 raise errors.refuse("measured", f"{one} and {other}", "one of them, as the same packets tell both")
     return Data(names, places, np.array(values), np.array(sigmas), sizes, sides)

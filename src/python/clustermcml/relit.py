@@ -67,6 +67,12 @@ def beam_shape(path: str) -> str:
     return " ".join(_absolute(kept, os.path.dirname(path)))
 
 
+def light_lines(path: str) -> list[str]:
+    """Returns the lines of the scene's beams and detectors. Names of files become absolute."""
+    with open(path, encoding="utf-8", errors="surrogateescape") as file:
+        return [" ".join(_absolute(words, os.path.dirname(path))) for words in map(_words, file) if words[:1] in (["beam"], ["detector"])]
+
+
 def relit_text(path: str, lines: Sequence[str]) -> str:
     """The text of the scene in `path` with `lines` in place of its beams and tallies. Names of files become absolute."""
     folder, kept, with_words = os.path.dirname(path), [], 0

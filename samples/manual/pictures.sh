@@ -119,4 +119,5 @@ cp ../../bench/accuracy/results/summary-amd-epyc-2core.svg pictures/validation.s
 
 # instruments
 page recipes/watts.md watts.svg=recipe-watts.svg
+page recipes/integrating-sphere.md ports.svg=recipe-sphere.svg
 python3 pictures_recipes.py phantom pictures/recipe-phantom.svg

@@ -6,7 +6,7 @@
 #include "base/json_name.h"
 #include "base/version.h"
 #include "result/quantity.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "run/crosscheck/crosscheck.h"
 #include "engine/engines.h"
 

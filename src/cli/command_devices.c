@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "engine/opencl/opencl.h"
 #include "surface/mesh/mesh_surface.h"
 

@@ -17,7 +17,7 @@
 #include "base/json_name.h"
 #include "base/significance.h"
 #include "base/version.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "scene/body/body_shape.h"
 #include "surface/mean_depth.h"
 

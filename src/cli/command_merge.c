@@ -5,7 +5,7 @@
 #include "base/array.h"
 #include "base/text.h"
 #include "cli/options/options_parse.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "run/join.h"
 
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 #include "cli/run/aim.h"
 #include "engine/engines.h"
 #include "result/quantity.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "tally/target_error.h"
 
 #include <jansson.h>

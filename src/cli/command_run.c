@@ -9,7 +9,7 @@
 #include "cli/run/outputs.h"
 #include "cli/run/sweep.h"
 #include "cli/run/sweep_flights.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "run/identity.h"
 #include "run/join.h"
 #include "run/stop.h"

@@ -1,6 +1,6 @@
 /* Finds the command, runs it, prints its error, and turns its status into the exit code.
  * SPDX-License-Identifier: MIT */
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 
 #include "base/print_line.h"
 #include "base/version.h"

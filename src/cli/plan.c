@@ -3,7 +3,7 @@
 #include "cli/command.h"
 
 #include "base/clock.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "tally/target_error.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 
 #include "run/checkpoint.h"
 #include "base/clock.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "run/saved_ranks.h"
 #include "run/work_ranges.h"
 #include "run/stop.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/saved_ranks.h"
 
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 
 #include <stdlib.h>
 #include <string.h>

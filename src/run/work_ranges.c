@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/work_ranges.h"
 
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 
 #include <math.h>
 #include <stdlib.h>

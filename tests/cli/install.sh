@@ -88,11 +88,11 @@ for option in --engine --boundaries --normals --rings --mesh-search; do
 done
 
 # The conda recipe asks for every Python package that pip would install.
-run_needs=$(sed -n '/^  run:/,/^$/s/^    - \([a-z0-9-]*\).*/\1/p' src/cli/install/meta.yaml)
+run_needs=$(sed -n '/^  run:/,/^$/s/^    - \([a-z0-9-]*\).*/\1/p' src/cli/install/recipe.yaml)
 needs=$(sed -n 's/^dependencies = \[\(.*\)\]/\1/p' pyproject.toml | tr -d '",')
 test -n "$needs" || complain "pyproject.toml names no dependencies"
 for package in $needs; do
-    echo "$run_needs" | grep -qxE "${package%%[<>=]*}(-base)?" || complain "src/cli/install/meta.yaml: no $package under run"
+    echo "$run_needs" | grep -qxE "${package%%[<>=]*}(-base)?" || complain "src/cli/install/recipe.yaml: no $package under run"
 done
 # pip 23.0.1 of Debian 12 knows --config-settings, but not its short form.
 grep -nE '(^|[^ ] ) *-C[ a-z]' samples/wheel.sh && complain "samples/wheel.sh: -C is unknown to pip 23.0.1"

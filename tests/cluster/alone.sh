@@ -1,7 +1,8 @@
 #!/bin/sh
 # Tests a build without MPI (-DCLUSTERMCML_MPI=OFF, in CLUSTERMCML_ALONE): the same bits, checkpoints and resume. It refuses
-# to run as several copies, which would all write the same files; srun without PMI starts such copies of any build. run.sh
-# passes the thread sanitizer's build, by another compiler, which is slow; hence few packets.
+# to run as several copies, which would all write the same files; srun without PMI starts such copies of any build. Beside
+# an adapter (CLUSTERMCML_ADAPTER) it finds MPI at run time. run.sh passes the thread sanitizer's build, by another
+# compiler, which is slow; hence few packets.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 alone=${CLUSTERMCML_ALONE:?names no program}
@@ -9,7 +10,7 @@ scene=samples/shapes/hinoise.mci
 
 expect_code 0 $scene --photons 5e3 --quiet -o "$work"
 mv "$work/hinoise.mco" "$work/expected"
-expected="processes were started, but each sees only itself (expected this program built with MPI and the launcher of the same MPI, or srun --mpi=pmix)"
+expected="processes were started, but each sees only itself (expected the launcher of the MPI library that this program uses, or srun --mpi=pmix; without MPI, load a module or set CLUSTERMCML_MPI_LIBRARY)"
 (
     export SLURM_NTASKS=4 SLURM_STEP_NUM_TASKS=4
     expect_error 2 "SLURM_STEP_NUM_TASKS = 4 $expected" $scene --photons 100 -o "$work"
@@ -33,6 +34,24 @@ test $code -eq 2 || complain "two copies without MPI: exit $code"
 said=$(for copy in "$work"/copy.*; do while read -r line; do echo "$line"; done <"$copy"; done | sort -u)
 test "$said" = "clustermcml: OMPI_COMM_WORLD_SIZE = 2 $expected" ||
     complain "two copies without MPI said: $said"
+
+mkdir "$work/bin"
+cp "$alone" "$work/bin/program"
+cp "$CLUSTERMCML_ADAPTER" "$work/bin"
+program=$work/bin/program
+ranks 2 $scene --photons 5e3 -o "$work" >"$work/out" 2>&1 </dev/null || complain "two ranks with an adapter: $(cat "$work/out")"
+grep -q '2 ranks' "$work/out" || complain "an adapter was not used: $(cat "$work/out")"
+sed '/^# clustermcml/d' "$work/hinoise.mco" >"$work/a"
+expect_bits "with an adapter" "$work/a" "$work/b"
+export CLUSTERMCML_MPI_LIBRARY=libno.so
+expect_ranks_error 1 3 "CLUSTERMCML_MPI_LIBRARY: libno.so: cannot open shared object file: No such file or directory" $scene -o "$work"
+unset CLUSTERMCML_MPI_LIBRARY
+adapter=$work/bin/${CLUSTERMCML_ADAPTER##*/}
+sed -i 's/0\.2\.0 /0.0.0 /' "$adapter"
+ranks 1 $scene -o "$work" >"$work/out" 2>&1 </dev/null && complain "an adapter of another build was used"
+grep -q "^clustermcml: $adapter: is of build 0.0.0 .* (expected build .*: install both together)$" "$work/out" ||
+    complain "an adapter of another build: $(cat "$work/out")"
+program=$alone
 
 rm -f "$work"/thick*
 expect_code 0 samples/thick.mci --photons 1e5 --quiet -o "$work"

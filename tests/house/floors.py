@@ -40,14 +40,15 @@ ROOMS = {
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names all engines
     "src/exact": "src/vector src/scene src/base kernels/rough.h",
     "src/aim": "src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
-    "src/run": "src/result src/output/files src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
-    "src/run/crosscheck": "src/run src/result src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
+    "src/run/cluster": "src/tally src/base",
+    "src/run": "src/run/cluster src/result src/output/files src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
+    "src/run/crosscheck": "src/run src/run/cluster src/result src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/output": "src/input/keys src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/output/study": "src/input/keys src/result src/output/files src/tally src/base",
     "src/cli/options": "src/input/keys src/engine src/engine/engines src/surface src/base",
-    "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli/run": "src/aim src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli": "src/aim src/cli/load src/cli/run src/cli/options src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/engine src/engine/engines "
+    "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/run/cluster src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/cli/run": "src/aim src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/run/cluster src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/cli": "src/aim src/cli/load src/cli/run src/cli/options src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/run/cluster src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
@@ -62,15 +63,16 @@ FOREIGN = {
     "tiny_obj_loader.h": "src/input/mesh/obj_tiny",
     "immintrin.h": "src/vector/group_masks",
     "jansson.h": "src/base/json_name src/output/report_json src/cli/command_plan src/cli/command_crosscheck src/cli/command_furnace",
-    "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
+    "omp.h": "src/run/cluster/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
     "hdf5*.h": "src/output/files/hdf5_file src/output/files/hdf5_head",
     "sys/resource.h": "src/cli/load/scenes",
     "sys/ioctl.h": "src/cli/run/progress",
     "signal.h": "src/run/stop",
-    "mpi.h": "src/run/cluster_parts",
-    "pthread.h": "src/engine/engine src/engine/threads src/run/cluster_parts src/run/run src/run/work_ranges",
-    "sched.h": "src/engine/threads src/run/cluster_service src/run/launcher",
+    "mpi.h": "src/run/cluster/cluster_parts",
+    "dlfcn.h": "src/run/cluster/cluster_load",
+    "pthread.h": "src/engine/engine src/engine/threads src/run/cluster/cluster_parts src/run/run src/run/work_ranges",
+    "sched.h": "src/engine/threads src/run/cluster/cluster_service src/run/cluster/launcher",
     "zlib.h": "src/base/atomic_file src/output/files/hdf5_head src/run/checkpoint src/run/identity src/scene/checksum src/scene/phase",
     "sys/mman.h": "src/tally/tally",
     "sys/prctl.h": "src/run/stop",
@@ -82,7 +84,7 @@ KERNEL_COMMON = set("assert.h math.h stdbool.h stddef.h stdint.h string.h float.
 CXX_COMMON = set("cmath cstddef cstdint cstdio cstdlib cstring exception fstream iostream istream limits map new "
                  "sstream streambuf string utility vector".split())
 # Sources that define the same functions as others and are built in their place.
-STAND_INS = "src/run/cluster_alone src/engine/opencl/opencl_none".split()
+STAND_INS = "src/run/cluster/cluster_load src/engine/opencl/opencl_none".split()
 DEFINITION = re.compile(r"^(?:CML_FN )?[a-z][^\n;{}()#]*?\b(cml_\w+)\([^;{}]*\)\n\{", re.M)
 BODY = re.compile(r"\)\n\{\n.*?\n\}\n", re.S)
 NAME = re.compile(r"\bcml_\w+\b")
@@ -249,8 +251,8 @@ def check_the_check():
                        ("src/run/stop.c", '#include "run/stop.h"\n#include "run/cores.h"\n')]:
         files = {**sound, path: text}
         if path == "src/run/stop.c":  # a circle by sources alone
-            files["src/run/stop.h"], files["src/run/launcher.h"] = "", ""
-            files["src/run/launcher.c"] = '#include "run/stop.h"\n'
+            files["src/run/stop.h"], files["src/run/cores.h"] = "", ""
+            files["src/run/cores.c"] = '#include "run/stop.h"\n'
         assert len(check(files)) == 1, (path, text, check(files))
     caller = "{}cml_status cml_run_{}(int a)\n{{\n    return cml_run_{}(a); /* cml_run_none */\n}}\n"
     calls = {"src/run/run.c": caller.format("", "one", "two"), "src/run/stop.c": caller.format("", "two", "three"),

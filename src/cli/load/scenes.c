@@ -3,10 +3,10 @@
 
 #include "engine/engines.h"
 #include "engine/plane_trial.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "input/mci.h"
 #include "input/sweep/sweep_table.h"
-#include "run/launcher.h"
+#include "run/cluster/launcher.h"
 #include "output/report.h"
 #include "base/print_line.h"
 #include "base/text.h"

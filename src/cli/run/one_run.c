@@ -8,7 +8,7 @@
 #include "cli/run/before.h"
 #include "cli/run/progress.h"
 #include "output/report.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "run/identity.h"
 #include "run/join.h"
 #include "run/stop.h"

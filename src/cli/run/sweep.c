@@ -14,7 +14,7 @@
 #include "input/sweep/sweep_groups.h"
 #include "output/files/hdf5_file.h"
 #include "output/study/sweep_files.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "run/identity.h"
 #include "run/join.h"
 #include "run/stop.h"

@@ -5,7 +5,7 @@
 #include "cli/load/scenes.h"
 #include "cli/run/one_run.h"
 #include "input/sweep/sweep_groups.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 #include "run/join.h"
 #include "tally/row_cells.h"
 

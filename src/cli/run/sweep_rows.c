@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/run/sweep_rows.h"
 
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 
 #include <stdatomic.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #include "base/text.h"
 #include "cli/load/scenes.h"
 #include "output/report.h"
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "run/cluster.h"
+#include "run/cluster/cluster.h"
 
 #include <mpi.h>
 #include <pthread.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "run/cluster_parts.h"
+#include "run/cluster/cluster_parts.h"
 
-#include "run/launcher.h"
+#include "run/cluster/launcher.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE /* for sched_getaffinity */
-#include "run/launcher.h"
+#include "run/cluster/launcher.h"
 
 #include "base/text.h"
 
@@ -43,8 +43,9 @@ cml_status cml_launcher_check(int size, struct cml_error *err)
     if (size > 1 || started == 1) return CML_OK;
     return cml_fail(
         err, CML_E_INPUT,
-        "%s = %d processes were started, but each sees only itself (expected this program built with "
-        "MPI and the launcher of the same MPI, or srun --mpi=pmix)",
+        "%s = %d processes were started, but each sees only itself (expected the launcher of the MPI library "
+        "that this program uses, or srun --mpi=pmix; without MPI, load a module or set "
+        "CLUSTERMCML_MPI_LIBRARY)",
         variable, started);
 }
 

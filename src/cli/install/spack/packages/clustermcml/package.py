@@ -1,7 +1,9 @@
-# Recipe for Spack, which builds the checkout that it stands in: `spack develop --path CHECKOUT
-# clustermcml@main` in an environment. In a repository of Spack its name must be
-# packages/clustermcml/package.py.
+# Recipe for Spack 1, which builds the checkout that it stands in:
+#     spack repo add CHECKOUT/src/cli/install/spack
+#     spack env create . && spack -e . develop --path CHECKOUT clustermcml@=main && spack -e . install --add clustermcml
 # SPDX-License-Identifier: MIT
+from spack_repo.builtin.build_systems.cmake import CMakePackage
+
 from spack.package import *
 
 
@@ -24,7 +26,9 @@ class Clustermcml(CMakePackage):
     depends_on("jansson")
     depends_on("zlib-api")
     depends_on("py-h5py", type="run")
+    depends_on("py-h5netcdf", type="run")
     depends_on("py-matplotlib", type="run")
+    depends_on("py-scipy", type="run")
     depends_on("py-xarray", type="run")
     depends_on("mpi", when="+mpi")
     depends_on("hdf5+hl~mpi", when="+hdf5")

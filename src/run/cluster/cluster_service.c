@@ -1,6 +1,6 @@
 /* The service thread of a rank, and all waiting between ranks: heartbeats, requests for work,
  * synchronisations. SPDX-License-Identifier: MIT */
-#include "run/cluster_parts.h"
+#include "run/cluster/cluster_parts.h"
 
 #include "base/clock.h"
 

@@ -48,6 +48,7 @@ struct cml_mesh {
                          sheet */
     uint32_t *part;   /* [num_triangles] part to which each triangle belongs; NULL for a sheet */
     uint32_t *part_start; /* [num_parts] first triangle of each part, rising; NULL for a sheet */
+    double weld;          /* vertices nearer to each other than this are joined, cm; 0: only equal ones */
     double skirt; /* width of the skirt that cml_mesh_prepare adds to a border that is not level, cm; 0: such
                      a border is refused */
     double (*vertex_normal)[3]; /* [num_vertices] unit, up, weighted by angle; at the border the outer plane
@@ -79,11 +80,13 @@ struct cml_mesh_source {
 
 /* The changes that cml_mesh_prepare made; printed by `check`. */
 struct cml_mesh_notes {
-    size_t welded;     /* vertices joined with another vertex of the same coordinates */
-    size_t degenerate; /* triangles of zero area that were dropped */
-    size_t unused;     /* dropped vertices that no triangle uses */
-    size_t flipped;    /* triangles whose winding was reversed */
-    size_t cavities;   /* parts of a body that are cavities */
+    size_t welded;        /* vertices joined with another vertex of the same coordinates */
+    size_t joined;        /* vertices joined with another vertex of other coordinates (mesh->weld) */
+    double join_distance; /* largest distance by which such a vertex moved, cm */
+    size_t degenerate;    /* triangles of zero area that were dropped */
+    size_t unused;        /* dropped vertices that no triangle uses */
+    size_t flipped;       /* triangles whose winding was reversed */
+    size_t cavities;      /* parts of a body that are cavities */
     size_t bent;     /* polygons whose corners do not lie in a plane; their reader cuts them into triangles */
     double bend;     /* largest distance of such a corner from its polygon's mean plane, cm */
     double levelled; /* range of the border's depths before it was levelled, cm, if larger than rounding; else
@@ -93,7 +96,8 @@ struct cml_mesh_notes {
 };
 
 /* Makes a boundary mesh from loose vertices and triangles.
- * - Joins vertices with equal coordinates; drops triangles of zero area and unused vertices.
+ * - Joins vertices with equal coordinates, and vertices nearer than mesh->weld to the first of them; drops
+ * triangles of zero area and unused vertices.
  * - Refuses anything but one connected, orientable 2-manifold sheet with one border loop.
  * - Levels the border: if its depths differ by at most 1e-6 of the largest side of the mesh's box, its
  * vertices move to their mean depth, z_border. For larger differences, mesh->skirt > 0 adds a skirt from the

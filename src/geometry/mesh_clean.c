@@ -43,18 +43,6 @@ static cml_status check_triangles(const struct cml_mesh_work *work, struct cml_e
     return CML_OK;
 }
 
-/* Returns a hash of a vertex. Multiplications and shifts mix all bits, because coordinates on a grid differ
- * in few bits. */
-static size_t hash_vertex(const double p[3])
-{
-    uint64_t bits[3];
-    memcpy(bits, p, sizeof bits);
-    uint64_t h = bits[0] * 0x9e3779b97f4a7c15u;
-    h = ((h ^ h >> 32) + bits[1]) * 0xbf58476d1ce4e5b9u;
-    h = ((h ^ h >> 29) + bits[2]) * 0x94d049bb133111ebu;
-    return (size_t)(h ^ h >> 31);
-}
-
 /* Sets same[i] to the first vertex that is equal to vertex i, and returns the number of vertices that repeat
  * an earlier one. The hash table has open addressing, linear probing and at least twice as many slots as
  * vertices, so that the time is linear. */
@@ -63,7 +51,7 @@ static size_t find_equal(const struct cml_mesh *mesh, uint32_t *table, size_t ma
     size_t welded = 0;
     for (size_t i = 0; i < mesh->num_vertices; i++) {
         const double *p = mesh->vertex[i];
-        size_t slot = hash_vertex(p) & mask;
+        size_t slot = cml_mesh_hash(p) & mask;
         while (table[slot] != EMPTY && memcmp(mesh->vertex[table[slot]], p, sizeof mesh->vertex[0]) != 0)
             slot = (slot + 1) & mask;
         if (table[slot] == EMPTY) table[slot] = (uint32_t)i;
@@ -73,8 +61,54 @@ static size_t find_equal(const struct cml_mesh *mesh, uint32_t *table, size_t ma
     return welded;
 }
 
+/* Returns the first vertex of the group to which vertex i belongs. Shortens the way for the next search. */
+static uint32_t first_of(uint32_t *same, uint32_t i)
+{
+    while (same[i] != i) i = same[i] = same[same[i]];
+    return i;
+}
+
+struct groups {
+    uint32_t *same; /* [num_vertices] an earlier vertex of the group, or the vertex itself */
+    size_t joined;
+};
+
+/* Joins the groups of two vertices; the first vertex of both stays. */
+static void join_groups(void *context, uint32_t vertex, uint32_t other, double distance)
+{
+    struct groups *groups = context;
+    const uint32_t a = first_of(groups->same, vertex), b = first_of(groups->same, other);
+    (void)distance;
+    groups->joined += a != b;
+    groups->same[a > b ? a : b] = a < b ? a : b;
+}
+
+/* Joins vertices nearer than mesh->weld to the first of them. A vertex that is near two groups joins both, so
+ * that no two vertices nearer than that stay apart. */
+static cml_status join_near(struct cml_mesh_work *work, uint32_t *same, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    struct groups groups = {.same = same};
+    CML_AT_END(cml_mesh_near_end) struct cml_mesh_near near = {0};
+    CML_TRY(cml_mesh_near_begin(&near, mesh, mesh->weld, err));
+    for (uint32_t i = 0; i < mesh->num_vertices; i++) {
+        if (same[i] != i) continue;
+        cml_mesh_near_visit(&near, i, join_groups, &groups);
+        cml_mesh_near_add(&near, i);
+    }
+    for (uint32_t i = 0; i < mesh->num_vertices; i++) {
+        double way[3];
+        const uint32_t first = first_of(same, i);
+        cml_vec3_subtract(mesh->vertex[i], mesh->vertex[first], way);
+        work->notes.join_distance = fmax(work->notes.join_distance, cml_vec3_length(way));
+        same[i] = first;
+    }
+    work->notes.joined = groups.joined;
+    return CML_OK;
+}
+
 /* Joins vertices with equal coordinates, since some exporters write the corners of every face anew. Vertices
- * that are merely close are not joined, because that could close a thin layer. */
+ * that are merely close are joined only if mesh->weld asks for it, because that could close a thin layer. */
 static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -84,17 +118,18 @@ static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
     size_t size = 16;
     while (size < 2 * mesh->num_vertices) size *= 2;
     uint32_t *table = malloc(size * sizeof *table);
-    uint32_t *same = malloc((mesh->num_vertices + 1) * sizeof *same);
+    CML_FREED uint32_t *same = malloc((mesh->num_vertices + 1) * sizeof *same);
     if (table && same) {
         memset(table, 0xff, size * sizeof *table);
         work->notes.welded = find_equal(mesh, table, size - 1, same);
-        for (size_t t = 0; t < mesh->num_triangles; t++)
-            for (int k = 0; k < 3; k++) mesh->triangle[t][k] = same[mesh->triangle[t][k]];
     }
     const bool good = table && same;
     free(table);
-    free(same);
-    return good ? CML_OK : cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
+    if (!good) return cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
+    if (mesh->weld > 0) CML_TRY(join_near(work, same, err));
+    for (size_t t = 0; t < mesh->num_triangles; t++)
+        for (int k = 0; k < 3; k++) mesh->triangle[t][k] = same[mesh->triangle[t][k]];
+    return CML_OK;
 }
 
 /* True if triangle t has an area of exactly 0. A sliver that is merely thin is a valid surface. */
@@ -149,7 +184,11 @@ static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
     for (size_t t = 0; t < mesh->num_triangles; t++)
         for (int k = 0; k < 3; k++) mesh->triangle[t][k] = number[mesh->triangle[t][k]];
     free(number);
-    work->notes.unused = mesh->num_vertices - work->notes.welded - used;
+    work->notes.unused = mesh->num_vertices - work->notes.welded - work->notes.joined - used;
+    if (used < mesh->num_vertices) { /* an .stl has six times as many vertices as are used */
+        double(*fewer)[3] = realloc(mesh->vertex, used * sizeof *fewer);
+        if (fewer) mesh->vertex = fewer;
+    }
     mesh->num_vertices = used;
     return CML_OK;
 }

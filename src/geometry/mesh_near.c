@@ -1,84 +1,73 @@
-/* Finds corners that nearly meet. Small gaps between such corners separate faces that were meant to join, so
- * the message of a refused mesh mentions them. SPDX-License-Identifier: MIT */
+/* Finds vertices near a place, through cells of equal width. SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
 #include "geometry/vec3.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-static const double nearly = 1e-5; /* share of the mesh's extent; exporters write five digits or more */
+#define EMPTY UINT32_MAX
 
-/* A corner at an edge that belongs to one face only. */
-struct corner {
-    uint32_t vertex, next; /* `next`: the other end of the edge */
-    double along;          /* position along the line by which corners are sorted, cm */
-    double nearest;        /* distance of the nearest other corner, cm; infinite if no other corner is within
-                              `nearly` times the mesh's extent */
-};
-
-/* Orders two corners by their position along the line, for qsort. */
-static int compare_corners(const void *left, const void *right)
+/* Returns a hash of three coordinates. Multiplications and shifts mix all bits, because coordinates on a grid
+ * differ in few bits. */
+size_t cml_mesh_hash(const double p[3])
 {
-    const struct corner *a = left, *b = right;
-    return (a->along > b->along) - (a->along < b->along);
+    uint64_t bits[3];
+    memcpy(bits, p, sizeof bits);
+    uint64_t h = bits[0] * 0x9e3779b97f4a7c15u;
+    h = ((h ^ h >> 32) + bits[1]) * 0xbf58476d1ce4e5b9u;
+    h = ((h ^ h >> 29) + bits[2]) * 0x94d049bb133111ebu;
+    return (size_t)(h ^ h >> 31);
 }
 
-/* Lists the corners of edges with one face, sorted along a line, and returns their number. Points close to
- * each other are also close along any line. The line is oblique to grids, so that few points of a grid lie at
- * the same place along it. */
-static size_t list_corners(const struct cml_mesh_work *work, size_t num_edges, struct corner *corner)
+cml_status cml_mesh_near_begin(struct cml_mesh_near *near, const struct cml_mesh *mesh, double width,
+                               struct cml_error *err)
 {
-    static const double line[3] = {0.36, 0.48, 0.8}; /* a unit vector, oblique to grids */
-    const struct cml_mesh *mesh = work->mesh;
-    size_t count = 0;
-    for (uint32_t e = 0; e < num_edges; e++) {
-        if (work->opposite[e] != CML_NO_OPPOSITE) continue;
-        const uint32_t vertex = cml_half_edge_from(mesh, e);
-        corner[count++] = (struct corner){vertex, cml_half_edge_to(mesh, e),
-                                          cml_vec3_dot(mesh->vertex[vertex], line), INFINITY};
+    size_t slots = 16;
+    while (slots < 2 * mesh->num_vertices) slots *= 2;
+    *near = (struct cml_mesh_near){.mesh = mesh, .width = width, .mask = slots - 1};
+    near->first = malloc(slots * sizeof *near->first);
+    near->next = malloc((mesh->num_vertices + 1) * sizeof *near->next);
+    if (!near->first || !near->next)
+        return cml_fail_memory(err, 4.0 * (double)slots, "the vertices of a mesh");
+    memset(near->first, 0xff, slots * sizeof *near->first);
+    return CML_OK;
+}
+
+void cml_mesh_near_end(struct cml_mesh_near *near)
+{
+    free(near->first);
+    free(near->next);
+}
+
+/* Returns the slot of the cell that holds a place, or of the cell `step` cells away. 0.0 makes a plus zero of
+ * a minus zero. */
+static size_t slot_of(const struct cml_mesh_near *near, const double place[3], const int step[3])
+{
+    double cell[3];
+    for (int k = 0; k < 3; k++) cell[k] = floor(place[k] / near->width) + step[k] + 0.0;
+    return cml_mesh_hash(cell) & near->mask;
+}
+
+void cml_mesh_near_add(struct cml_mesh_near *near, uint32_t vertex)
+{
+    const size_t slot = slot_of(near, near->mesh->vertex[vertex], (const int[3]){0, 0, 0});
+    near->next[vertex] = near->first[slot];
+    near->first[slot] = vertex;
+}
+
+/* Cells of one slot are told apart by the distance of their vertices. */
+void cml_mesh_near_visit(const struct cml_mesh_near *near, uint32_t vertex, cml_mesh_near_call *call,
+                         void *context)
+{
+    const double *place = near->mesh->vertex[vertex];
+    for (int cell = 0; cell < 27; cell++) {
+        const int step[3] = {cell % 3 - 1, cell / 3 % 3 - 1, cell / 9 - 1};
+        for (uint32_t i = near->first[slot_of(near, place, step)]; i != EMPTY; i = near->next[i]) {
+            double way[3];
+            cml_vec3_subtract(near->mesh->vertex[i], place, way);
+            const double distance = cml_vec3_length(way);
+            if (i != vertex && distance < near->width) call(context, vertex, i, distance);
+        }
     }
-    qsort(corner, count, sizeof *corner, compare_corners);
-    return count;
-}
-
-/* Lowers a->nearest and b->nearest to the distance of two corners if it is at most `most`, cm. Skips two
- * corners that are the same vertex or the ends of one edge. */
-static void compare_pair(const struct cml_mesh *mesh, struct corner *a, struct corner *b, double most)
-{
-    double way[3];
-    if (a->vertex == b->vertex || a->next == b->vertex || b->next == a->vertex) return;
-    cml_vec3_subtract(mesh->vertex[a->vertex], mesh->vertex[b->vertex], way);
-    const double distance = cml_vec3_length(way);
-    if (distance > most) return;
-    a->nearest = fmin(a->nearest, distance);
-    b->nearest = fmin(b->nearest, distance);
-}
-
-/* Compares the corners of one-faced edges, sorted along one axis, and adds to the refusal in *err how many of
- * them nearly meet another corner. */
-void cml_mesh_tell_near_corners(const struct cml_mesh_work *work, size_t num_triangles, struct cml_error *err)
-{
-    const struct cml_mesh *mesh = work->mesh;
-    const struct cml_error refusal = *err;
-    const double most = nearly * cml_mesh_extent(mesh);
-    CML_FREED struct corner *corner = malloc(3 * num_triangles * sizeof *corner);
-    if (!corner) return;
-    const size_t count = list_corners(work, 3 * num_triangles, corner);
-    size_t near = 0, widest = 0;
-    for (size_t i = 0; i < count; i++)
-        for (size_t k = i + 1; k < count && corner[k].along - corner[i].along <= most; k++)
-            compare_pair(mesh, &corner[i], &corner[k], most);
-    for (size_t i = 0; i < count; i++) {
-        if (!isfinite(corner[i].nearest)) continue;
-        if (near++ == 0 || corner[i].nearest > corner[widest].nearest) widest = i;
-    }
-    if (near == 0) return;
-    char place[112];
-    const cml_status status =
-        cml_fail(err, refusal.status,
-                 "%s; %zu corners nearly meet others, up to %.3g cm away at %s: merge vertices by distance "
-                 "in a mesh editor",
-                 refusal.text, near, corner[widest].nearest,
-                 cml_mesh_place(mesh->vertex[corner[widest].vertex], place));
-    (void)status;
 }

@@ -22,8 +22,8 @@ struct cml_mesh_work {
     uint8_t *turned;    /* [num_triangles] true if cml_mesh_orient has reversed the triangle */
 };
 
-/* Refuses coordinates that are not finite or too large; joins equal vertices; drops degenerate triangles and
- * unused vertices. */
+/* Refuses coordinates that are not finite or too large; joins equal vertices, or near ones; drops degenerate
+ * triangles and unused vertices. */
 CML_NODISCARD cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_error *err);
 
 /* True if triangle t uses a vertex twice or has an area of exactly zero. */
@@ -55,11 +55,39 @@ CML_NODISCARD cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, stru
  * refused. In *work only the notes are updated. */
 CML_NODISCARD cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Adds to the refusal in *err how many corners of edges with one triangle nearly meet other corners, and
- * their largest distance. Adds nothing if no corners nearly meet. num_triangles: number of triangles when
- * cml_mesh_pair_edges was called. */
+/* Adds to the refusal in *err how many corners of edges with one triangle nearly meet other corners, their
+ * largest distance, and which weld= joins them. Adds nothing if no corners nearly meet. num_triangles: number
+ * of triangles when cml_mesh_pair_edges was called. */
 void cml_mesh_tell_near_corners(const struct cml_mesh_work *work, size_t num_triangles,
                                 struct cml_error *err);
+
+/* Returns a hash of three coordinates. -0.0 has another one than 0.0. */
+size_t cml_mesh_hash(const double p[3]);
+
+/* Some vertices of a mesh, in cubic cells whose width is the largest distance that is asked for. The time of
+ * a search does not depend on the number of vertices elsewhere. */
+struct cml_mesh_near {
+    const struct cml_mesh *mesh; /* borrowed */
+    double width;                /* cm, > 0 */
+    uint32_t *first, *next;      /* [mask + 1], [num_vertices] lists of vertices, by the hash of their cell */
+    size_t mask;
+};
+
+/* Begins without vertices. Fails if memory runs out. End in any case: near = {0} is allowed. */
+CML_NODISCARD cml_status cml_mesh_near_begin(struct cml_mesh_near *near, const struct cml_mesh *mesh,
+                                             double width, struct cml_error *err);
+void cml_mesh_near_end(struct cml_mesh_near *near);
+
+/* Adds a vertex, which must not have been added. */
+void cml_mesh_near_add(struct cml_mesh_near *near, uint32_t vertex);
+
+/* A callback of cml_mesh_near_visit. distance: from vertex to other, cm. */
+typedef void cml_mesh_near_call(void *context, uint32_t vertex, uint32_t other, double distance);
+
+/* Calls `call` for each other added vertex that is nearer to `vertex` than the width; for some more than
+ * once. */
+void cml_mesh_near_visit(const struct cml_mesh_near *near, uint32_t vertex, cml_mesh_near_call *call,
+                         void *context);
 
 /* Returns the largest side of the mesh's box, cm. */
 double cml_mesh_extent(const struct cml_mesh *mesh);

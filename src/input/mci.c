@@ -22,6 +22,7 @@
 #include "input/mci_map.h"
 #include "input/mci_settings.h"
 #include "input/mci_medium.h"
+#include "input/mci_mesh.h"
 #include "input/mci_options.h"
 #include "scene/body/body_place.h"
 
@@ -419,7 +420,7 @@ static cml_status read_version(struct cml_mci_reader *reader)
     if (strcmp(version, "A1") == 0)
         return cml_mci_fail(reader, "file version", version,
                             "1.0; this is a result, which plot, compare and merge read");
-    if (cml_file_ends_in(reader->text.path, ".obj"))
+    if (cml_mesh_file_is_known(reader->text.path))
         return cml_mci_fail(reader, "file version", version,
                             "1.0; this is a mesh, which an m line of a scene names");
     return refuse_version(reader, version);

@@ -79,7 +79,7 @@ static cml_status check_axis(const struct cml_mci_reader *reader, const char *ow
 
 /* Options of the line of a body's mesh. */
 struct mesh_line {
-    struct cml_obj_options obj;
+    struct cml_mesh_file_options obj;
     struct cml_rough_def *rough;
 };
 
@@ -91,24 +91,24 @@ static cml_status set_mesh_option(struct cml_mci_line *line)
     return cml_mci_mesh_units(line, &mesh->obj);
 }
 
-/* Reads a body that is a closed mesh: the file name, the medium and the options. Then reads the .obj file. */
+/* Reads a body that is a closed mesh: the file name, the medium and the options. Then reads the file. */
 static cml_status read_mesh(struct cml_mci_reader *reader, const char *owner, int number,
                             struct cml_scene_body *body, struct cml_medium_def *medium)
 {
     struct mesh_line mesh = {.obj = {.unit = 1, .scale = 1, .height = 1, .closed = true},
                              .rough = &medium->rough};
-    struct cml_obj_options *obj = &mesh.obj;
+    struct cml_mesh_file_options *obj = &mesh.obj;
     struct cml_mci_line line = {
         .reader = reader,
         .owner = owner,
         .parts = CML_KEY_PARTS({CML_KEYS_MESH, obj}, {CML_KEYS_PLACE, obj}, {CML_KEYS_SOLID, obj}),
         .own = set_mesh_option,
         .context = &mesh};
-    enum cml_mci_mesh_file kind = CML_MCI_FILE_OBJ;
+    enum cml_mci_mesh_file kind = CML_MCI_FILE_MESH;
     const char *name = cml_text_word(&reader->cursor);
     CML_TRY(cml_mci_mesh_name(&line, name, &kind));
-    if (kind != CML_MCI_FILE_OBJ)
-        return cml_mci_fail_option(&line, "file", name, "an .obj file: a closed mesh");
+    if (kind != CML_MCI_FILE_MESH)
+        return cml_mci_fail_option(&line, "file", name, "an " CML_MESH_FILE_ENDINGS " file: a closed mesh");
     CML_TRY(cml_path_beside(reader->text.path, name, &body->file, reader->err));
     CML_TRY(cml_mci_leading_numbers(reader, owner, CML_KEY_PARTS({CML_KEYS_MEDIUM, medium})));
     CML_TRY(cml_mci_options(&line));
@@ -116,9 +116,9 @@ static cml_status read_mesh(struct cml_mci_reader *reader, const char *owner, in
     obj->budget.file = reader->text.path;
     obj->budget.line = reader->text.line;
     obj->budget.body = number;
-    return cml_mci_name_line(
-        reader, owner, body->file,
-        cml_obj_read(reader->options->source, body->file, obj, &body->mesh, &body->mesh_notes, reader->err));
+    return cml_mci_name_line(reader, owner, body->file,
+                             cml_mesh_file_read(reader->options->source, body->file, obj, &body->mesh,
+                                                &body->mesh_notes, reader->err));
 }
 
 /* Reads the line of a body: a mesh in quotes, or a sphere or cylinder with its medium. */
@@ -138,7 +138,8 @@ static cml_status read_body(struct cml_mci_reader *reader, int number, struct cm
     CML_TRY(take_roughness(reader, owner, &medium->rough));
     const char *word = cml_text_word(&reader->cursor);
     if (!word || (strcmp(word, "sphere") != 0 && strcmp(word, "cylinder") != 0))
-        return cml_mci_fail(reader, field, word, "sphere, cylinder, or an .obj file in a pair of quotes");
+        return cml_mci_fail(reader, field, word,
+                            "sphere, cylinder, or an " CML_MESH_FILE_ENDINGS " file in a pair of quotes");
     const bool round = word[0] == 's';
     body->form = round ? CML_BODY_SPHERE : CML_BODY_CYLINDER;
     CML_TRY(cml_mci_numbers(

@@ -211,7 +211,7 @@ static cml_status check_seam(const struct cml_mci_line *line, const struct cml_b
 /* Makes a boundary of a repeated heightmap. The boundary takes over the heights; triangles are made of them
  * later, when its surface is built. */
 static cml_status make_tile(const struct cml_mci_line *line, enum tiling tiling,
-                            const struct cml_obj_options *given, struct cml_heightmap *map,
+                            const struct cml_mesh_file_options *given, struct cml_heightmap *map,
                             struct cml_boundary *boundary)
 {
     struct cml_error *err = line->reader->err;
@@ -231,14 +231,15 @@ static cml_status make_tile(const struct cml_mci_line *line, enum tiling tiling,
 /* Refuses options that a heightmap cannot have: its grid runs along x and y, and its mesh has a skirt
  * already. */
 static cml_status check_heightmap_options(const struct cml_mci_line *line,
-                                          const struct cml_obj_options *given)
+                                          const struct cml_mesh_file_options *given)
 {
-    static const char *const none[] = {"rotate", "skirt"},
+    static const char *const none[] = {"rotate", "weld", "skirt"},
                              *const expected[] = {"no rotate= for a heightmap",
+                                                  "no weld= for a heightmap, whose corners meet",
                                                   "no skirt= for a heightmap, which has one, or needs none"};
     if (given->up != CML_UP_Z && given->up != CML_UP_MINUS_Z)
         return cml_mci_fail_option(line, "up", cml_mci_saw(line, "up"), "z or -z for a heightmap");
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 3; i++)
         if (cml_mci_saw(line, none[i]))
             return cml_mci_fail_option(line, none[i], cml_mci_saw(line, none[i]), expected[i]);
     return CML_OK;
@@ -247,7 +248,7 @@ static cml_status check_heightmap_options(const struct cml_mci_line *line,
 /* Reads a heightmap and makes the boundary's mesh or tile. A tile keeps the heights; a mesh does not need
  * them, and they are freed. */
 static cml_status read_heightmap(const struct cml_mci_line *line, enum cml_mci_mesh_file kind,
-                                 enum tiling tiling, const struct cml_obj_options *given,
+                                 enum tiling tiling, const struct cml_mesh_file_options *given,
                                  struct cml_boundary *boundary)
 {
     const struct cml_input_options *input = line->reader->options;
@@ -271,7 +272,7 @@ static cml_status read_heightmap(const struct cml_mci_line *line, enum cml_mci_m
 
 /* Values of the options of an `m` line. */
 struct m_line {
-    struct cml_obj_options obj;
+    struct cml_mesh_file_options obj;
     struct cml_random_relief relief;
     enum tiling tiling;
 };
@@ -313,7 +314,7 @@ static cml_status set_m_option(struct cml_mci_line *line)
 
 /* Draws a random relief and makes a repeated boundary of it. */
 static cml_status make_relief(const struct cml_mci_line *line, const struct cml_random_relief *relief,
-                              const struct cml_obj_options *obj, struct cml_boundary *boundary)
+                              const struct cml_mesh_file_options *obj, struct cml_boundary *boundary)
 {
     struct cml_heightmap map;
     CML_TRY(cml_random_relief_make(relief, &map, line->reader->err));
@@ -345,19 +346,20 @@ static cml_status read_mesh(struct cml_mci_line *line, int index, const char *na
                             struct cml_boundary *boundary)
 {
     struct cml_mci_reader *reader = line->reader;
-    struct cml_obj_options *obj = &m->obj;
-    enum cml_mci_mesh_file kind = CML_MCI_FILE_OBJ;
+    struct cml_mesh_file_options *obj = &m->obj;
+    enum cml_mci_mesh_file kind = CML_MCI_FILE_MESH;
     line->parts =
         CML_KEY_PARTS({CML_KEYS_MESH, obj}, {CML_KEYS_PLACE, obj}, {CML_KEYS_SHEET, obj}, {CML_KEYS_TILE, m});
     CML_TRY(cml_mci_mesh_name(line, name, &kind));
     CML_TRY(cml_mci_options(line));
     CML_TRY(cml_mci_set_scaling(reader, index, &obj->scale, &obj->height));
-    if (m->tiling != TILE_NONE && kind == CML_MCI_FILE_OBJ)
-        return cml_mci_fail_option(line, "tile", "an .obj file", "a .gsf or .asc heightmap");
+    if (m->tiling != TILE_NONE && kind == CML_MCI_FILE_MESH)
+        return cml_mci_fail_option(line, "tile", "a mesh", "a .gsf or .asc heightmap");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
-    CML_TRY(kind == CML_MCI_FILE_OBJ ? cml_obj_read(reader->options->source, boundary->file, obj,
-                                                    &boundary->mesh, &boundary->mesh_notes, reader->err)
-                                     : read_heightmap(line, kind, m->tiling, obj, boundary));
+    CML_TRY(kind == CML_MCI_FILE_MESH
+                ? cml_mesh_file_read(reader->options->source, boundary->file, obj, &boundary->mesh,
+                                     &boundary->mesh_notes, reader->err)
+                : read_heightmap(line, kind, m->tiling, obj, boundary));
     if (m->tiling == TILE_NONE) boundary->form = CML_FORM_MESH;
     return CML_OK;
 }

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "input/mci_mesh.h"
 
-#include <string.h>
-#include <strings.h>
-
-cml_status cml_mci_mesh_units(const struct cml_mci_line *line, struct cml_obj_options *obj)
+cml_status cml_mci_mesh_units(const struct cml_mci_line *line, struct cml_mesh_file_options *obj)
 {
     static const char *const units[] = {"cm", "mm", "um", "m"};
     static const double cm[] = {1, 0.1, 1e-4, 100};
@@ -14,20 +11,20 @@ cml_status cml_mci_mesh_units(const struct cml_mci_line *line, struct cml_obj_op
     return CML_OK;
 }
 
-/* Finds the format of a mesh by the ending of its file name. Formats of 3D printers (.stl, .ply) cannot be
- * read, so the message advises to convert them. */
+/* A mesh file's format is that of its ending, too, but only its reader (mesh_file.c) needs to know which. */
 cml_status cml_mci_mesh_name(const struct cml_mci_line *line, const char *name, enum cml_mci_mesh_file *kind)
 {
-    static const char *const endings[] = {".obj", ".gsf", ".asc"};
     if (!name || *name == '"' || *name == '\0')
         return cml_mci_fail_option(line, "file", name, "a file name in a pair of quotes");
-    const char *dot = strrchr(name, '.');
-    for (int i = 0; dot && i < 3; i++) {
-        *kind = (enum cml_mci_mesh_file)i;
-        if (strcasecmp(dot, endings[i]) == 0) return CML_OK;
-    }
-    const bool other = dot && (strcasecmp(dot, ".stl") == 0 || strcasecmp(dot, ".ply") == 0);
-    return cml_mci_fail_option(line, "file", name,
-                               other ? "an .obj file: convert it, with MeshLab for instance"
-                                     : "an .obj file, a .gsf or .asc heightmap, or the word gaussian");
+    if (cml_mesh_file_is_known(name))
+        *kind = CML_MCI_FILE_MESH;
+    else if (cml_file_ends_in(name, ".gsf"))
+        *kind = CML_MCI_FILE_GSF;
+    else if (cml_file_ends_in(name, ".asc"))
+        *kind = CML_MCI_FILE_ASC;
+    else
+        return cml_mci_fail_option(line, "file", name,
+                                   "an " CML_MESH_FILE_ENDINGS
+                                   " mesh, a .gsf or .asc heightmap, or the word gaussian");
+    return CML_OK;
 }

@@ -93,7 +93,7 @@ struct cml_boundary {
     /* Factors that the input applied: to all coordinates, and to the heights in addition. */
     double scale, height;
     struct cml_rough_def rough;
-    char *file; /* the .obj, .gsf, .asc or height file; NULL if the numbers stand in the .mci */
+    char *file; /* the mesh, heightmap or height file; NULL if the numbers stand in the .mci */
     int line;   /* line number in the .mci; 0: the boundary is implicit */
     int *users; /* reference count of boundaries that share shape and file (base/shared.h) */
 };
@@ -120,7 +120,7 @@ struct cml_scene_body {
     double radius;
     struct cml_mesh mesh; /* CML_BODY_MESH: the mesh, prepared and closed */
     struct cml_mesh_notes mesh_notes;
-    char *file; /* the .obj file of a mesh, or NULL */
+    char *file; /* the file of a mesh, or NULL */
     int line;   /* line number in the .mci */
 };
 

@@ -37,7 +37,7 @@ static cml_status check_radial(const struct cml_scene *scene, int b, struct cml_
     return CML_OK;
 }
 
-/* Checks every facet of a heightmap, and the height of any mesh against its width. Single facets of an .obj
+/* Checks every facet of a heightmap, and the height of any mesh against its width. Single facets of a mesh
  * may have any slope, because a pit has upright walls and a facet alone does not tell whether another one
  * faces it closely. */
 static cml_status check_mesh(const struct cml_scene *scene, int b, struct cml_error *err)

@@ -9,7 +9,7 @@ trap 'rm -rf "$scratch"' EXIT
 # One directory per case: kind, expected message, the file itself.
 awk -v out="$scratch" '
     /^@/ { n++; dir = sprintf("%s/%03d", out, n); system("mkdir -p " dir); kind = substr($1, 2)
-           file = dir "/" (kind == "mci" ? "scene.mci" : kind == "table" ? "angles.txt" : kind == "seen" ? "seen.txt" : "mesh.obj"); printf "" > file
+           file = dir "/" (kind == "mci" ? "scene.mci" : kind == "table" ? "angles.txt" : kind == "seen" ? "seen.txt" : "mesh." kind); printf "" > file
            sub(/^@[a-z]+ /, ""); print > (dir "/expected"); next }
     n    { print > file }' "$cases"
 
@@ -23,6 +23,7 @@ for dir in "$scratch"/*/; do
     number=$((number + 1))
     [ ! -f "$dir/angles.txt" ] || printf "$lamp_scene" >"$dir/scene.mci"
     [ ! -f "$dir/seen.txt" ] || printf "$seen_scene" >"$dir/scene.mci"
+    for kind in stl ply; do [ ! -f "$dir/mesh.$kind" ] || printf "$sound_scene" | sed "s/mesh.obj/mesh.$kind/" >"$dir/scene.mci"; done
     [ -f "$dir/scene.mci" ] || printf "$sound_scene" >"$dir/scene.mci"
     [ -f "$dir/mesh.obj" ] || printf "$sound_mesh" >"$dir/mesh.obj"
     mkdir "$dir/results"

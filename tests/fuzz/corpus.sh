@@ -7,7 +7,7 @@ program=$(realpath "$1")
 mkdir -p "$2"
 out=$(realpath "$2")
 cd "$(dirname "$0")/../.."
-for target in mci fly obj heightmap mco options checkpoint sweep; do mkdir -p "$out/$target"; done
+for target in mci fly obj stl ply heightmap mco options checkpoint sweep; do mkdir -p "$out/$target"; done
 
 # Joins a scene and the files that it names into one input, in the order in which they are read (FUZZ_CUT of fuzz.h).
 join() {
@@ -48,6 +48,12 @@ f 2 3 6
 f 4 2 6
 f 1 4 6
 END
+
+# Meshes of the corpus as .stl and .ply, text and binary.
+for mesh in meshes/pyramid.obj meshes/prism.obj "$out/obj/octahedron"; do
+    python3 tests/lib/scan_files.py "$mesh" "$out/stl/$(basename "$mesh")" stl-text stl-binary
+    python3 tests/lib/scan_files.py "$mesh" "$out/ply/$(basename "$mesh")" ply-ascii ply-little ply-big
+done
 
 # Writes small scenes that fly in no time: one of every kind of line, on small grids.
 scene() { # NAME RUN ABOVE BELOW FILES: lines for the whole run, then for both boundaries

@@ -200,23 +200,18 @@ class Meshes(unittest.TestCase):
             mc.Mesh("a.obj", self.FACES)
 
     def test_files_of_others(self):
-        """trimesh reads meshes of other formats. Without trimesh, the message says so."""
+        """The program reads an STL file as it is. Its gap of 1e-5 cm is refused, and joined by weld."""
         path = os.path.join(tempfile.mkdtemp(), "pyramid.stl")
         self.addCleanup(lambda: (os.remove(path), os.rmdir(os.path.dirname(path))))
         with open(path, "w", encoding="utf-8") as file:
             file.write("solid a\n")
-            for face in self.FACES:
-                corners = "".join("vertex %g %g %g\n" % tuple(self.VERTICES[k]) for k in face)
+            for i, face in enumerate(self.FACES):
+                corners = "".join("vertex %.9g %.9g %.9g\n" % (*self.VERTICES[k][:2], self.VERTICES[k][2] + (1e-5 if (i, k) == (0, face[2]) else 0)) for k in face)
                 file.write("facet normal 0 0 1\nouter loop\n" + corners + "endloop\nendfacet\n")
             file.write("endsolid a\n")
-        try:
-            import trimesh  # noqa: F401
-        except ImportError:
-            with self.assertRaisesRegex(mc.InputError, "pyramid.stl' .expected .*trimesh, which reads this one, is not installed"):
-                mc.Mesh(path)
-            return
-        mesh = mc.Mesh(path, units="mm")
-        self.assertEqual((np.shape(mesh.vertices), np.shape(mesh.faces)), ((5, 3), (4, 3)))
+        with self.assertRaisesRegex(mc.ClustermcmlError, "weld=1.5e-05 joins them"):
+            mc.check(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, top=mc.Mesh(path))]))
+        mesh = mc.Mesh(path, weld=2e-5)
         told = mc.check(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, top=mesh)]))[0]["boundaries"][0]
         self.assertEqual((told["kind"], told["primitives"]), ("mesh", 4))
 

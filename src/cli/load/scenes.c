@@ -316,6 +316,9 @@ void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
         printf("    boundary %d: %zu faces lie in no plane and were cut into triangles, corners up to %.3g "
                "cm off the face's mean plane\n",
                b, notes->bent, notes->bend);
+    if (notes->joined > 0)
+        printf("    boundary %d: %zu corners were joined with others, up to %.3g cm away (weld=%g)\n", b,
+               notes->joined, notes->join_distance, boundary->mesh.weld);
     if (notes->levelled > 0)
         printf("    boundary %d: the mesh's border was levelled, its heights differed by %.3g cm\n", b,
                notes->levelled);

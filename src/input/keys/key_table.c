@@ -1,7 +1,7 @@
 /* Every key of a scene's lines, a row for each. SPDX-License-Identifier: MIT */
 #include "input/keys/key.h"
 
-#include "input/mesh/obj.h"
+#include "input/mesh/mesh_file.h"
 #include "scene/heightmap/random_relief.h"
 #include "scene/scene.h"
 
@@ -67,16 +67,17 @@ const struct cml_key cml_key_table[] = {
     ROW(ROUGH, "alpha", "rough alpha", REAL, POS | SET | OR_0, rough_def, alpha, "a number", 1e-4, 2, NULL, NULL, "roughness: 0 is smooth; `body1.alpha` is that of `rough=` in an `i` line"),
     ROW(SHAPE, "scale", NULL, REAL, SET, boundary, scale, "a number", TINY, BIG, NULL, "1", "factor on all lengths of the shape; replaces `scale=` of an `m` line"),
     ROW(SHAPE, "height", NULL, REAL, SET, boundary, height, "a factor", 0, BIG, NULL, "1", "further factor on heights alone: how rough"),
-    ROW(MESH, "up", NULL, WORD, OPT, obj_options, up, "z -z y -y x -x", 0, 0, NULL, "z", "axis of the file that points up; of a heightmap z or -z"),
-    ROW(MESH, "rotate", NULL, REAL, OPT, obj_options, rotate, "degrees", -360, 360, "degree", "0", "turn about the vertical, counter-clockwise seen from above; not of a heightmap"),
-    ROW(MESH, "units", NULL, OWN, OPT, obj_options, unit, "cm, mm, um or m", 0, 0, NULL, "cm", "unit of the file's numbers: an `.asc` file needs the key, a `.gsf` file has its own unit"),
-    ROW(MESH, "scale", NULL, REAL, OPT, obj_options, scale, "a number", TINY, BIG, NULL, "1", "factor on all coordinates of the file"),
-    ROW(PLACE, "shift", NULL, XYZ, OPT, obj_options, shift, NULL, 0, 0, "cm", "0,0,0", "by how much the shape is moved along x, y and up; also of `m gaussian`"),
-    ROW(PLACE, "normals", NULL, WORD, OPT, obj_options, normals, "face vertex", 0, 0, NULL, "face", "normals of the facets, or interpolated ones; also of `m gaussian`"),
-    ROW(SHEET, "skirt", NULL, REAL, OPT, obj_options, skirt, "a width", TINY, BIG, "cm", "none", "width of the skirt of a border that is not level; `.obj` only"),
+    ROW(MESH, "up", NULL, WORD, OPT, mesh_file_options, up, "z -z y -y x -x", 0, 0, NULL, "z", "axis of the file that points up; of a heightmap z or -z"),
+    ROW(MESH, "rotate", NULL, REAL, OPT, mesh_file_options, rotate, "degrees", -360, 360, "degree", "0", "turn about the vertical, counter-clockwise seen from above; not of a heightmap"),
+    ROW(MESH, "units", NULL, OWN, OPT, mesh_file_options, unit, "cm, mm, um or m", 0, 0, NULL, "cm", "unit of the file's numbers: an `.asc` file needs the key, a `.gsf` file has its own unit"),
+    ROW(MESH, "scale", NULL, REAL, OPT, mesh_file_options, scale, "a number", TINY, BIG, NULL, "1", "factor on all coordinates of the file"),
+    ROW(MESH, "weld", NULL, REAL, OPT, mesh_file_options, weld, "a distance", TINY, BIG, "cm", "none", "corners nearer to each other than this become one, at the place of the first; equal corners always do; not of a heightmap"),
+    ROW(PLACE, "shift", NULL, XYZ, OPT, mesh_file_options, shift, NULL, 0, 0, "cm", "0,0,0", "by how much the shape is moved along x, y and up; also of `m gaussian`"),
+    ROW(PLACE, "normals", NULL, WORD, OPT, mesh_file_options, normals, "face vertex", 0, 0, NULL, "face", "normals of the facets, or interpolated ones; also of `m gaussian`"),
+    ROW(SHEET, "skirt", NULL, REAL, OPT, mesh_file_options, skirt, "a width", TINY, BIG, "cm", "none", "width of the skirt of a border that is not level; not of a heightmap"),
     {CML_KEYS_TILE, "tile", NULL, CML_KEY_OWN, OPT | ALONE, 0, "tile, tile=mirror or tile=as-is", 0, 0, NULL, "not repeated", "repeats the heightmap over the whole plane; `tile=mirror`: with its mirror image, `tile=as-is`: whatever its seam"},
-    ROW(SOLID, "union", NULL, FLAG, OPT, obj_options, unite, NULL, 0, 0, NULL, NULL, "the parts of the mesh may cross"),
-    ROW(SOLID, "rough", NULL, OWN, OPT, obj_options, unite, "ggx,ALPHA or beckmann,ALPHA", 0, 0, NULL, "smooth", "roughness of the surface of a mesh, a sphere or a cylinder"),
+    ROW(SOLID, "union", NULL, FLAG, OPT, mesh_file_options, unite, NULL, 0, 0, NULL, NULL, "the parts of the mesh may cross"),
+    ROW(SOLID, "rough", NULL, OWN, OPT, mesh_file_options, unite, "ggx,ALPHA or beckmann,ALPHA", 0, 0, NULL, "smooth", "roughness of the surface of a mesh, a sphere or a cylinder"),
     ROW(RELIEF, "slope", "rms slope", REAL, POS, random_relief, slope, "a number", 1e-4, 10, NULL, NULL, "rms gradient of the facets"),
     ROW(RELIEF, "length", NULL, REAL, POS, random_relief, length, "a correlation length", TINY, BIG, "cm", NULL, "correlation length of the heights"),
     ROW(RELIEF, "tile", NULL, OWN, OPT | ALONE, random_relief, seed, "tile", 0, 0, NULL, NULL, "the relief is repeated"),

@@ -3,6 +3,7 @@
 #include "input/mesh/gsf.h"
 
 #include "base/atomic_file.h"
+#include "input/mesh/binary_inl.h"
 
 #include <math.h>
 #include <string.h>
@@ -156,18 +157,6 @@ static cml_status find_heights(const struct field *f, size_t *begin)
                     text->path, found, values_of(f), *begin, expected, f->xres, f->yres);
 }
 
-/* Reads a float byte by byte, because the file's order of bytes is fixed while the machine's is not, and the
- * address need not be aligned. reversed: takes the first byte as the highest. */
-static double float_at(const char *data, bool reversed)
-{
-    const unsigned char *byte = (const unsigned char *)data;
-    uint32_t word = 0;
-    for (int i = 3; i >= 0; i--) word = word << 8 | byte[reversed ? 3 - i : i];
-    float value = 0;
-    memcpy(&value, &word, sizeof value);
-    return (double)value;
-}
-
 /* True for a value that no length has in any unit: above 1e30, or below 1e-18 but not 0. */
 static bool is_absurd(double value)
 {
@@ -181,15 +170,15 @@ static cml_status check_order(const struct field *f, const char *data, size_t co
     size_t first = count;
     char name[64], value[80];
     for (size_t i = 0; i < count; i++) {
-        if (is_absurd(float_at(data + 4 * i, true))) return CML_OK;
-        if (first == count && is_absurd(float_at(data + 4 * i, false))) first = i;
+        if (is_absurd(cml_binary_real(data + 4 * i, 4, true))) return CML_OK;
+        if (first == count && is_absurd(cml_binary_real(data + 4 * i, 4, false))) first = i;
     }
     if (first == count) return CML_OK;
     const char *at = data + 4 * first;
     snprintf(name, sizeof name, "row %zu, column %zu", first / (size_t)f->xres + 1,
              first % (size_t)f->xres + 1);
-    snprintf(value, sizeof value, "%.4g, or %.4g with its bytes reversed", float_at(at, false),
-             float_at(at, true));
+    snprintf(value, sizeof value, "%.4g, or %.4g with its bytes reversed", cml_binary_real(at, 4, false),
+             cml_binary_real(at, 4, true));
     return cml_fail_field(f->err, f->text.path, 0, name, value,
                           "floats with the lowest byte first; these look big-endian");
 }
@@ -218,7 +207,8 @@ static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
     CML_TRY(cml_heightmap_allocate(f->text.path, f->xres, f->yres, map, f->err));
     map->dx = f->xreal / f->xres * f->xy_unit;
     map->dy = f->yreal / f->yres * f->xy_unit;
-    for (size_t i = 0; i < count; i++) map->h[i] = float_at(f->text.data + begin + 4 * i, false) * f->z_unit;
+    for (size_t i = 0; i < count; i++)
+        map->h[i] = cml_binary_real(f->text.data + begin + 4 * i, 4, false) * f->z_unit;
     return f->pixels ? CML_OK : check_heights(f, map);
 }
 

@@ -2,19 +2,8 @@
  * keeps its length for tinyobjloader. SPDX-License-Identifier: MIT */
 #include "input/mesh/obj_scan.h"
 
-#include "base/array.h"
-
 #include <stdlib.h>
 #include <string.h>
-
-void cml_obj_scan_clear(struct cml_obj_scan *scan)
-{
-    free(scan->vertex);
-    free(scan->vertex_line);
-    free(scan->face_size);
-    free(scan->face_line);
-    *scan = (struct cml_obj_scan){0};
-}
 
 /* A logical line: a line with its continuations, and the number of its first physical line. */
 struct line {
@@ -35,7 +24,7 @@ static char *cut_word(char **cursor)
 }
 
 /* Reads a vertex x y z. A weight or a colour may follow; both are checked, and not used. */
-static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_obj_scan *scan,
+static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_polygons *scan,
                               struct cml_error *err)
 {
     static const char *const axis[] = {"x of the vertex", "y of the vertex", "z of the vertex"};
@@ -50,11 +39,7 @@ static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_
         if (!cml_parse_double(word, &ignored))
             return cml_fail_field(err, line->path, line->number, "weight or colour of the vertex", word,
                                   "a finite number");
-    CML_TRY(cml_array_grow(&scan->vertex, scan->num_vertices, sizeof *scan->vertex, "a mesh", err));
-    CML_TRY(cml_array_grow(&scan->vertex_line, scan->num_vertices, sizeof *scan->vertex_line, "a mesh", err));
-    memcpy(scan->vertex[scan->num_vertices], p, sizeof p);
-    scan->vertex_line[scan->num_vertices++] = line->number;
-    return CML_OK;
+    return cml_polygons_add_vertex(scan, p, line->number, err);
 }
 
 /* True if the word is v, v/t, v//n or v/t/n with whole numbers; *number becomes v. */
@@ -96,7 +81,7 @@ static cml_status scan_corner(const struct line *line, const char *word, size_t 
 }
 
 /* Counts and checks the corners of a face; tinyobjloader returns their numbers later. */
-static cml_status scan_face(const struct line *line, char *cursor, struct cml_obj_scan *scan,
+static cml_status scan_face(const struct line *line, char *cursor, struct cml_polygons *scan,
                             struct cml_error *err)
 {
     uint32_t corners = 0;
@@ -107,12 +92,8 @@ static cml_status scan_face(const struct line *line, char *cursor, struct cml_ob
     if (corners < 3)
         return cml_fail(err, CML_E_INPUT, "%s:%d: the face has %u corners (expected 3 or more)", line->path,
                         line->number, corners);
-    CML_TRY(cml_array_grow(&scan->face_size, scan->num_faces, sizeof *scan->face_size, "a mesh", err));
-    CML_TRY(cml_array_grow(&scan->face_line, scan->num_faces, sizeof *scan->face_line, "a mesh", err));
-    scan->face_size[scan->num_faces] = corners;
-    scan->face_line[scan->num_faces++] = line->number;
     scan->num_corners += corners;
-    return CML_OK;
+    return cml_polygons_add_face(scan, corners, line->number, err);
 }
 
 /* Joins the next line to a vertex or face that ends in a backslash. The characters between become blanks, so
@@ -148,7 +129,7 @@ static void restore_line(const struct cml_text *text, const struct line *line)
 
 /* Scans one line. Lines of vertices (`v`) and faces (`f`) stay in the text; all others (normals, groups,
  * materials) are overwritten with blanks. */
-static cml_status scan_line(struct cml_text *text, struct line *line, struct cml_obj_scan *scan,
+static cml_status scan_line(struct cml_text *text, struct line *line, struct cml_polygons *scan,
                             struct cml_error *err)
 {
     if (strchr(line->text, '\r'))
@@ -201,18 +182,13 @@ size_t cml_obj_count(const struct cml_text *text)
     return triangles;
 }
 
-cml_status cml_obj_scan_text(struct cml_text *text, struct cml_obj_scan *scan, struct cml_error *err)
+cml_status cml_obj_scan_text(struct cml_text *text, struct cml_polygons *scan, struct cml_error *err)
 {
-    *scan = (struct cml_obj_scan){0};
     for (char *start = cml_text_next(text); start; start = cml_text_next(text)) {
         struct line line = {.path = text->path, .number = text->line, .text = start};
         line.end = start + strlen(start);
         CML_TRY(scan_line(text, &line, scan, err));
     }
-    if (scan->num_faces == 0)
-        return cml_fail(err, CML_E_INPUT, "%s: no faces (expected lines like `f 1 2 3`)", text->path);
-    if (scan->num_vertices >= UINT32_MAX || scan->num_corners >= UINT32_MAX)
-        return cml_fail(err, CML_E_INPUT, "%s: too many vertices or faces (expected fewer than 2^32)",
-                        text->path);
-    return CML_OK;
+    if (scan->num_faces > 0) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: no faces (expected lines like `f 1 2 3`)", text->path);
 }

@@ -1,4 +1,4 @@
-"""Files of surfaces: writes arrays as files that the program reads, and reads meshes that the program does not read.
+"""Files of surfaces: writes arrays as files that the program reads.
 
 SPDX-License-Identifier: MIT
 """
@@ -8,8 +8,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-
-from . import errors
 
 CM = 0.01  # m
 
@@ -31,16 +29,3 @@ def write_obj(path: str, vertices: Any, faces: Any) -> None:
     with open(path, "w", encoding="ascii") as file:
         file.writelines(f"v {float(x)!r} {float(y)!r} {float(z)!r}\n" for x, y, z in vertices)
         file.writelines(f"f {a} {b} {c}\n" for a, b, c in (faces.astype(np.int64) + 1).tolist())
-
-
-def read_triangles(path: str) -> tuple[Any, Any]:
-    """Reads an STL or PLY file with trimesh. Returns vertices, equal ones joined, and faces."""
-    try:
-        import trimesh
-    except ImportError:
-        raise errors.refuse("Mesh.path", path, "an .obj, .gsf or .asc; trimesh, which reads this one, is not installed") from None
-    try:
-        mesh = trimesh.load(path, force="mesh")
-        return np.asarray(mesh.vertices), np.asarray(mesh.faces)
-    except Exception as error:  # trimesh has many exceptions of its own
-        raise errors.unreadable(path, "a mesh that trimesh reads", error) from error

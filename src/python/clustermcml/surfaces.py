@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import errors
-from .surface_files import read_triangles, write_gsf, write_obj
+from .surface_files import write_gsf, write_obj
 
 
 HIGHEST = 1e30  # largest |height| [cm], as in the program's own files
@@ -132,7 +132,7 @@ def _check_tile(name: str, value: object) -> None:
 
 def _option_words(options: dict[str, Any]) -> list[str]:
     """Returns the options of a mesh that differ from the defaults, as words of the line."""
-    usual = {"up": "z", "rotate": 0.0, "units": "cm", "scale": 1.0, "shift": (0.0, 0.0, 0.0), "normals": "face", "skirt": None, "tile": False}
+    usual = {"up": "z", "rotate": 0.0, "units": "cm", "scale": 1.0, "shift": (0.0, 0.0, 0.0), "normals": "face", "skirt": None, "tile": False, "weld": None}
     words = []
     for key, value in options.items():
         if value == usual[key]:
@@ -151,7 +151,7 @@ class Mesh:
     """A surface of triangles: Mesh(path), or Mesh(vertices, faces).
 
     Attributes:
-        path: Path of an `.obj`, `.gsf` or `.asc` file, or of an `.stl` or `.ply` file where trimesh is installed.
+        path: Path of an `.obj`, `.stl`, `.ply`, `.gsf` or `.asc` file.
         vertices: Array [n, 3] of x, y and height.
         faces: Array [m, 3] of indices of vertices, from 0.
         units: Unit of the numbers: "cm", "mm", "um" or "m"; default "cm".
@@ -162,6 +162,7 @@ class Mesh:
         normals: "face" reflects at the triangles, "vertex" at interpolated normals; default "face".
         skirt: Width of a skirt around a border that is not level [cm]; None is no skirt.
         tile: As of Heightmap; of a `.gsf` or `.asc` file; default False.
+        weld: Distance below which corners become one [cm]; None joins equal corners only.
     """
 
     path: Union[None, str, os.PathLike[str], ArrayLike] = None
@@ -175,12 +176,11 @@ class Mesh:
     normals: str = "face"
     skirt: Optional[float] = None
     tile: Union[bool, str] = False
+    weld: Optional[float] = None
 
     def __post_init__(self) -> None:
         if self.faces is None and self.vertices is not None:  # Mesh(vertices, faces) by position: the first argument is no path
             self.path, self.vertices, self.faces = None, self.path, self.vertices
-        if isinstance(self.path, (str, os.PathLike)) and os.path.splitext(self.path)[1].lower() in (".stl", ".ply"):
-            self.path, self.vertices, self.faces = None, *read_triangles(errors.existing_file("Mesh.path", self.path))
         if (self.path is None) == (self.vertices is None and self.faces is None):
             raise errors.refuse("Mesh.path", self.path, "either a path, or vertices and faces")
         if self.path is None:
@@ -193,8 +193,9 @@ class Mesh:
         errors.finite("Mesh.rotate", self.rotate)
         errors.above_zero("Mesh.scale", self.scale)
         vector("Mesh.shift", self.shift, 3)
-        if self.skirt is not None:
-            errors.above_zero("Mesh.skirt", self.skirt)
+        for name in ("skirt", "weld"):
+            if getattr(self, name) is not None:
+                errors.above_zero("Mesh." + name, getattr(self, name))
 
     def _check_arrays(self) -> None:
         expected = "an array [n, 3] of finite numbers"
@@ -214,7 +215,7 @@ class Mesh:
         name = f'"{stem}.obj"' if self.path is None else errors.quoted_file("Mesh.path", self.path)
         if self.path is None:
             write_obj(os.path.join(directory, stem + ".obj"), np.asarray(self.vertices), np.asarray(self.faces))
-        options = {key: getattr(self, key) for key in ("up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile")}
+        options = {key: getattr(self, key) for key in ("up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile", "weld")}
         options["shift"] = tuple(self.shift)
         return name, _option_words(options)
 

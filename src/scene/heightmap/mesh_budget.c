@@ -8,6 +8,7 @@
 #define MOST_BY_DEFAULT 4e6
 #define SHARE_OF_MEMORY 0.25
 #define BYTES 350.0  /* bytes per triangle; measurements stand in mesh_budget.h */
+#define OF_FILE 50.0 /* bytes of them that are those of the file */
 #define SECONDS 3e-6 /* seconds per triangle; measured: 2.1e-6 tessellations, 4.2e-6 .obj files */
 
 double cml_mesh_budget_default(void)
@@ -36,11 +37,12 @@ cml_status cml_mesh_budget_check(const struct cml_mesh_budget *budget, double tr
     static const struct cml_mesh_budget none;
     if (!budget) budget = &none;
     const double most = budget->most > 0 ? budget->most : CML_MESH_MOST, seconds = SECONDS * triangles;
+    const double bytes = BYTES * triangles + fmax(0, budget->read - OF_FILE * triangles);
     char owner[600], text[700];
     name(budget, owner, sizeof owner);
     if (triangles > most)
         return cml_fail(err, CML_E_INPUT, "%s needs %.10g triangles, %.3g GiB (expected at most %.0f, or %s)",
-                        owner, triangles, BYTES * triangles / 1073741824, most, remedy);
+                        owner, triangles, bytes / 1073741824, most, remedy);
     if (seconds <= 1 || !budget->on_large) return CML_OK;
     snprintf(text, sizeof text, "%s: making a mesh of %.3g triangles, some %.0f s", owner, triangles,
              seconds);

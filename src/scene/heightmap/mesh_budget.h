@@ -13,6 +13,7 @@ struct cml_mesh_budget {
      * line feed, and the expected seconds. NULL: nobody is told. */
     void (*on_large)(void *context, const char *text, double seconds);
     void *context;
+    double read;      /* bytes of the mesh's file, which stay in memory; 0: none */
     const char *file; /* file of the boundary, for messages; NULL: not known */
     int line;         /* line number in the file; 0: none */
     int boundary;
@@ -22,7 +23,7 @@ struct cml_mesh_budget {
 /* Returns the default budget in triangles: 4e6, or fewer if these would fill more than a quarter of this
  * machine's memory. A triangle counts 350 bytes. Measured at the peak, while trees are built, were 272
  * (heightmap), 309 to 335 (tessellation) and 337 bytes (.obj), without the 15 MB of a program without
- * meshes. */
+ * meshes. A file counts besides with what it has above 50 bytes per triangle, as a text .stl does. */
 double cml_mesh_budget_default(void);
 
 /* Checks a number of triangles against the budget (NULL: CML_MESH_MOST), and announces a large mesh

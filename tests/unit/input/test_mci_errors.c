@@ -249,13 +249,14 @@ static void meshes_that_cannot_be_read(void **state)
          "x.mci:9: boundary 0: skin.gsf: cannot be read: No such file or directory (expected a file)"},
         {ONE "m \"skin.asc\"\n",
          "x.mci:9: boundary 0: skin.asc: cannot be read: No such file or directory (expected a file)"},
-        {ONE "m \"skin\"\n", "x.mci:9: boundary 0: file = skin (expected an .obj file, a .gsf or .asc "
-                             "heightmap, or the word gaussian)"},
+        {ONE "m \"skin\"\n", "x.mci:9: boundary 0: file = skin (expected an .obj, .stl or .ply "
+                             "mesh, a .gsf or .asc heightmap, or the word gaussian)"},
         {ONE "m \"a.obj\" units=inch\n", "x.mci:9: boundary 0: units = inch (expected cm, mm, um or m)"},
-        {ONE "m \"a.obj\" unit=mm\n", "x.mci:9: boundary 0: option = unit=mm (expected up=, rotate=, units=, "
-                                      "scale=, shift=, normals=, skirt=, tile, tile=mirror or tile=as-is)"},
+        {ONE "m \"a.obj\" unit=mm\n",
+         "x.mci:9: boundary 0: option = unit=mm (expected up=, rotate=, units=, "
+         "scale=, weld=, shift=, normals=, skirt=, tile, tile=mirror or tile=as-is)"},
         {ONE "m \"a.obj\" mm\n", "x.mci:9: boundary 0: option = mm (expected up=, rotate=, units=, scale=, "
-                                 "shift=, normals=, skirt=, tile, tile=mirror or tile=as-is)"},
+                                 "weld=, shift=, normals=, skirt=, tile, tile=mirror or tile=as-is)"},
         {ONE "m \"a.obj\" scale=0\n", "x.mci:9: boundary 0: scale = 0 (expected a number of 1e-30..1e30)"},
         {ONE "m \"a.obj\" scale=-1\n", "x.mci:9: boundary 0: scale = -1 (expected a number of 1e-30..1e30)"},
         {ONE "m \"a.obj\" scale=\n",
@@ -277,8 +278,10 @@ static void meshes_that_cannot_be_read(void **state)
          "x.mci:9: boundary 0: rotate = 90 (expected no rotate= for a heightmap)"},
         {ONE "m \"skin.asc\" skirt=0.1\n", "x.mci:9: boundary 0: skirt = 0.1 (expected no skirt= for a "
                                            "heightmap, which has one, or needs none)"},
-        {ONE "m \"skin.ply\"\n", "x.mci:9: boundary 0: file = skin.ply (expected an .obj file: convert it, "
-                                 "with MeshLab for instance)"},
+        {ONE "m \"skin.asc\" weld=0.1\n",
+         "x.mci:9: boundary 0: weld = 0.1 (expected no weld= for a heightmap, whose corners meet)"},
+        {ONE "m \"skin.PLY\"\n",
+         "x.mci:9: boundary 0: skin.PLY: cannot be read: No such file or directory (expected a file)"},
         {ONE "m \"a.obj\" normals=smooth\n",
          "x.mci:9: boundary 0: normals = smooth (expected face or vertex)"},
         {ONE "m \"nowhere.obj\"\n",

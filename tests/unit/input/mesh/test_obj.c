@@ -13,11 +13,12 @@
 
 #include <cmocka.h>
 
+#include "input/mesh/mesh_file.h"
 #include "input/mesh/obj.h"
-#include "input/mesh/obj_polygon.h"
+#include "input/mesh/polygon_split.h"
 #include "base/text.h"
 
-static const struct cml_obj_options centimetres = {.unit = 1, .scale = 1, .height = 1};
+static const struct cml_mesh_file_options centimetres = {.unit = 1, .scale = 1, .height = 1};
 
 static int setup(void **state)
 {
@@ -33,7 +34,7 @@ static int teardown(void **state)
     return failed;
 }
 
-static cml_status read_text(void **state, const char *text, const struct cml_obj_options *options,
+static cml_status read_text(void **state, const char *text, const struct cml_mesh_file_options *options,
                             struct cml_mesh *mesh, struct cml_mesh_notes *notes, struct cml_error *err)
 {
     char path[128];
@@ -43,7 +44,7 @@ static cml_status read_text(void **state, const char *text, const struct cml_obj
     fputs(text, file);
     fclose(file);
     *err = (struct cml_error){0};
-    const cml_status status = cml_obj_read(NULL, path, options, mesh, notes, err);
+    const cml_status status = cml_mesh_file_read(NULL, path, options, mesh, notes, err);
     remove(path);
     char *name = strstr(err->text, path);
     if (name) memmove(name, name + strlen(path) - 5, strlen(name + strlen(path) - 5) + 1);
@@ -160,7 +161,7 @@ static const struct refusal bad_sheets[] = {
 
 static void refuse(void **state, const struct refusal *cases, size_t count, double unit)
 {
-    const struct cml_obj_options options = {.unit = unit, .scale = 1, .height = 1};
+    const struct cml_mesh_file_options options = {.unit = unit, .scale = 1, .height = 1};
     for (size_t i = 0; i < count; i++) {
         struct cml_mesh mesh;
         struct cml_error err;
@@ -187,7 +188,8 @@ static void refuses_missing_file(void **state)
     (void)state;
     struct cml_mesh mesh;
     struct cml_error err;
-    assert_int_equal(cml_obj_read(NULL, "/nowhere/m.obj", &centimetres, &mesh, NULL, &err), CML_E_INPUT);
+    assert_int_equal(cml_mesh_file_read(NULL, "/nowhere/m.obj", &centimetres, &mesh, NULL, &err),
+                     CML_E_INPUT);
     assert_string_equal(err.text,
                         "/nowhere/m.obj: cannot be read: No such file or directory (expected a file)");
 }
@@ -252,9 +254,9 @@ static void refuses_odd_polygons(void **state)
     const uint32_t corner[6] = {0, 1, 2, 3, 4, 5};
     uint32_t triangle[4][3];
     double bend = 1;
-    assert_string_equal(cml_obj_split(star, corner, 5, triangle, &bend), "is not convex");
-    assert_string_equal(cml_obj_split(arrow, corner, 4, triangle, &bend), "is not convex");
-    assert_null(cml_obj_split(middles, corner, 6, triangle, &bend));
+    assert_string_equal(cml_polygon_split(star, corner, 5, triangle, &bend), "is not convex");
+    assert_string_equal(cml_polygon_split(arrow, corner, 4, triangle, &bend), "is not convex");
+    assert_null(cml_polygon_split(middles, corner, 6, triangle, &bend));
     const uint32_t expected[4][3] = {{1, 2, 3}, {1, 3, 4}, {1, 4, 5}, {1, 5, 0}};
     assert_memory_equal(triangle, expected, sizeof expected);
     assert_true(bend == 0);
@@ -267,7 +269,7 @@ static void bent_faces_are_cut_and_counted(void **state)
     struct cml_mesh mesh;
     struct cml_mesh_notes notes;
     struct cml_error err;
-    const struct cml_obj_options half = {.unit = 0.5, .scale = 1, .height = 1};
+    const struct cml_mesh_file_options half = {.unit = 0.5, .scale = 1, .height = 1};
     const char *text = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nv 1 0 0\nv 1 2 0\nv 0 1 0\nv 2 1 0\n"
                        "f 1 6 5 8\nf 6 2 9 5\nf 5 9 3 7\nf 4 8 5\nf 4 5 7\n";
     assert_int_equal(read_text(state, text, &half, &mesh, &notes, &err), CML_OK);
@@ -289,7 +291,7 @@ static void turns_and_scales(void **state)
                  {CML_UP_Y, "1 0 0", "0 0 -1", {2, -6, -4}}, {CML_UP_MINUS_Y, "1 0 0", "0 0 1", {2, 6, 4}},
                  {CML_UP_X, "0 0 -1", "0 1 0", {-6, 4, -2}}, {CML_UP_MINUS_X, "0 0 1", "0 1 0", {6, 4, 2}}};
     for (int i = 0; i < 6; i++) {
-        struct cml_obj_options options = {
+        struct cml_mesh_file_options options = {
             .unit = 0.5, .scale = 4, .height = 1, .shift = {10, 20, 30}, .up = cases[i].up};
         struct cml_mesh mesh;
         struct cml_mesh_notes notes;
@@ -316,7 +318,7 @@ static void rotates_about_the_vertical(void **state)
         double degrees, x, y; /* x, y: image of (1, 2) */
     } turns[] = {{0, 1, 2},   {90, -2, 1},  {-270, -2, 1}, {180, -1, -2},
                  {360, 1, 2}, {-90, 2, -1}, {270, 2, -1}};
-    struct cml_obj_options options = {
+    struct cml_mesh_file_options options = {
         .unit = 0.5, .scale = 4, .height = 1, .shift = {10, 20, 30}, .up = CML_UP_Y};
     const char *text = "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 1 3 -2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
     struct cml_mesh mesh;
@@ -353,14 +355,14 @@ static void round_trip(void **state)
 {
     struct cml_mesh mesh, again;
     struct cml_error err;
-    const struct cml_obj_options odd = {
+    const struct cml_mesh_file_options odd = {
         .unit = 0.1, .scale = 1.0 / 3, .height = 1, .shift = {1e-3, 1.0 / 7, 0.2}};
     char path[128];
     snprintf(path, sizeof path, "%s/w.obj", (const char *)*state);
-    assert_int_equal(cml_obj_read(NULL, "../meshes/ridges.obj", &odd, &mesh, NULL, &err), CML_OK);
+    assert_int_equal(cml_mesh_file_read(NULL, "../meshes/ridges.obj", &odd, &mesh, NULL, &err), CML_OK);
     assert_int_equal(cml_obj_write(path, &mesh, "two\nlines", &err), CML_OK);
     struct cml_mesh_notes notes;
-    assert_int_equal(cml_obj_read(NULL, path, &centimetres, &again, &notes, &err), CML_OK);
+    assert_int_equal(cml_mesh_file_read(NULL, path, &centimetres, &again, &notes, &err), CML_OK);
     same_mesh(&mesh, &again);
     assert_int_equal(notes.welded + notes.degenerate + notes.unused + notes.flipped, 0);
     struct cml_text text;
@@ -394,7 +396,7 @@ static void sample_meshes_load(void **state)
         struct cml_mesh_notes notes;
         struct cml_error err = {0};
         snprintf(path, sizeof path, "../meshes/%s.obj", samples[i]);
-        assert_int_equal(cml_obj_read(NULL, path, &centimetres, &mesh, &notes, &err), CML_OK);
+        assert_int_equal(cml_mesh_file_read(NULL, path, &centimetres, &mesh, &notes, &err), CML_OK);
         assert_int_equal(mesh.num_triangles, triangles[i]);
         assert_true(mesh.z_border == 0);
         assert_int_equal(notes.welded + notes.degenerate + notes.unused + notes.flipped, 0);

@@ -6,7 +6,7 @@
  *     a--b----e
  *
  * SPDX-License-Identifier: MIT */
-#include "input/mesh/obj_polygon.h"
+#include "input/mesh/polygon_split.h"
 
 #include "geometry/vec3.h"
 
@@ -96,9 +96,9 @@ static double smallest_triangle(const struct polygon *p, size_t apex)
     return smallest;
 }
 
-/* Tries all corners as apex: O(n^2) for at most CML_OBJ_MAX_CORNERS corners, and most faces have few. */
-const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
-                          uint32_t (*triangle)[3], double *bend)
+/* Tries all corners as apex: O(n^2) for at most CML_POLYGON_MAX_CORNERS corners, and most faces have few. */
+const char *cml_polygon_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
+                              uint32_t (*triangle)[3], double *bend)
 {
     struct polygon p = {.vertex = vertex, .corner = corner, .size = size};
     if (!find_plane(&p)) return "has no area";

@@ -208,6 +208,8 @@ cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triang
     return status;
 }
 
+/* Builds a tree over n boxes that the caller keeps: box[i] has the lower corner and the upper corner of box
+ * i. Sorting by all six bounds (num_keys) keeps large boxes out of the cells of small ones. */
 cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n, struct cml_boxtree **tree,
                                     struct cml_error *err)
 {
@@ -218,6 +220,7 @@ cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n, struct 
     return CML_OK;
 }
 
+/* Frees a tree of boxes; NULL is allowed. */
 void cml_boxtree_free(struct cml_boxtree *tree)
 {
     if (!tree) return;
@@ -359,6 +362,9 @@ static void visit_through(void *context, uint32_t i)
     column->nearest = fmin(column->nearest, fabs(depth_in_column(v, point) - point[2]));
 }
 
+/* Counts the triangles of the mesh above and below a point, along the vertical line through the point.
+ * Triangles of part `without` of a body do not count. The search box has no size in x and y, and no end in
+ * z. */
 struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_t without,
                                      const double point[3])
 {
@@ -407,6 +413,9 @@ static void search_closest(struct closest *closest, struct node node)
     if (cml_larger(a, b) < closest->least) search_closest(closest, left_first ? right : left);
 }
 
+/* Finds the object nearest to point p and returns the squared distance. `square` computes the squared
+ * distance of one object. On entry *i is a first guess, which lets the search skip most boxes; on return *i
+ * is the nearest object. */
 double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
                            const void *context, uint32_t *i)
 {

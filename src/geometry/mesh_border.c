@@ -258,6 +258,8 @@ static cml_status place_border(struct cml_mesh_work *work, const uint32_t *leavi
     return check_simple(work, leaving, err);
 }
 
+/* Finds the border of a boundary mesh, stores it in the mesh, and turns the mesh over if it is upside down.
+ * leaving[v] is the vertex that follows vertex v on the border. */
 cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err)
 {
     uint32_t *leaving = malloc(work->mesh->num_vertices * sizeof *leaving);

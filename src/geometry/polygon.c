@@ -159,6 +159,8 @@ static size_t sweep_row(const struct cml_polygon_rows *rows, size_t row, struct 
     return CML_POLYGON_SIMPLE;
 }
 
+/* Finds an edge of a polygon that crosses another edge, and writes its number to *edge. *edge stays
+ * CML_POLYGON_SIMPLE if no edges cross. Only edges that share a row of the y axis are compared. */
 cml_status cml_polygon_find_crossing(const struct cml_polygon_rows *rows, size_t *edge, struct cml_error *err)
 {
     size_t longest = 1;

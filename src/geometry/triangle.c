@@ -218,6 +218,9 @@ static enum cml_contact contact_at_edge(const double *const a[3], const double *
     return CML_TOUCH;
 }
 
+/* Says how triangles a and b meet, and stores one common point in `place`. `shared` is the number of corners
+ * that both have, which stand first in a and b. Three shared corners make the triangles equal, hence they
+ * touch. */
 enum cml_contact cml_triangle_contact(const double *const a[3], const double *const b[3], int shared,
                                       double place[3])
 {

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Allocates the points and corners of a boundary's drawn faces; their numbers are already set. */
 static cml_status allocate_faces(struct cml_faces *faces, struct cml_error *err)
 {
     const size_t point_bytes = faces->num_points * sizeof *faces->point;
@@ -131,6 +132,8 @@ static size_t facet_of(const struct cml_report *report, int k, const struct cml_
     return body->form == CML_BODY_SPHERE ? 0 : part_of_cylinder(body, mesh, triangle);
 }
 
+/* Makes room for more points and triangles of bodies in the lists that grow body by body. On failure the old
+ * lists stay valid, so the caller can free them. */
 static cml_status grow(struct cml_body_faces *drawn, size_t points, size_t faces, struct cml_error *err)
 {
     struct cml_faces *to = &drawn->faces;
@@ -166,6 +169,7 @@ static cml_status add_body(const struct cml_report *report, int k, const struct 
     return CML_OK;
 }
 
+/* Collects the triangles of all bodies as one list, which a .vtp file draws. */
 cml_status cml_report_body_faces(const struct cml_report *report, struct cml_body_faces *drawn,
                                  struct cml_error *err)
 {

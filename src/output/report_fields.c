@@ -201,6 +201,7 @@ cml_status cml_field_list_create(const struct cml_report *report, struct cml_fie
     return CML_OK;
 }
 
+/* Frees a list of fields and leaves it empty. */
 void cml_field_list_free(struct cml_field_list *c)
 {
     free(c->fields);
@@ -299,6 +300,8 @@ static void add_cells(struct cml_field_list *c, enum cml_quantity quantity, enum
     if (groups || r->layout.parts[array] > 1) add_errors(c);
 }
 
+/* Adds every array of the result whose first axis is `first` as fields of a file. Arrays over an exit angle
+ * are left out if the scene asks for none. */
 void cml_add_fields(struct cml_field_list *c, enum cml_axis_kind first)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
@@ -315,6 +318,8 @@ void cml_add_fields(struct cml_field_list *c, enum cml_axis_kind first)
     }
 }
 
+/* Adds the maps of detectors as fields, per area of a pixel: only detector number `only`, or all detectors
+ * if only < 0. The maps of all detectors follow one another in one array. */
 void cml_add_detector_fields(struct cml_field_list *c, int only)
 {
     const struct cml_scene *scene = c->report->scene;
@@ -447,6 +452,7 @@ void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *pre
     along_facets(c, b);
 }
 
+/* Adds the heights of a radial boundary b over radius, if it has few enough points to be useful in a file. */
 void cml_add_shape_field(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_boundary *boundary = &c->report->scene->boundaries[b];
@@ -485,6 +491,8 @@ void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_fa
     add_body_scores(c, drawn->face);
 }
 
+/* Adds fields over the facets of all bodies: the number of the body, the facet's area and what passed the
+ * facet. */
 void cml_add_body_fields(struct cml_field_list *c)
 {
     const struct cml_body_surfaces *bodies = &c->report->surfaces->bodies;
@@ -515,6 +523,8 @@ static void set_flux(const struct cml_report *report, const struct cml_body_surf
     if (step) o->error[CML_QUANTITY_flux_body][at] = cml_result_cell_error(sums, group, 1);
 }
 
+/* Fills the outcome with the flux through each side of each body, and with its standard errors if facets are
+ * kept by group. */
 cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *o,
                                   struct cml_error *err)
 {

@@ -49,6 +49,7 @@ cml_status cml_report_path(const char *path, const char *suffix, char **result, 
     return cml_text_format(result, "a path", err, "%.*s%s", (int)stem_length(path), path, suffix);
 }
 
+/* Frees the outcome and the file names of a report. */
 void cml_report_clear(struct cml_report *report)
 {
     for (int i = 0; i < report->num_files; i++) free(report->files[i]);
@@ -110,6 +111,8 @@ static cml_status visit_facets(const struct visit *v, const struct cml_scene *sc
     return scene->num_bodies > 0 ? visit(v, CML_FILE_BODIES, 0, ".bodies.vtp", err) : CML_OK;
 }
 
+/* Calls `each` for every file that a run writes for this scene: tables, the surface map, the volume, maps of
+ * detectors, facets. The one list serves writing, checking for old files, and --json. */
 cml_status cml_report_each_file(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 const struct cml_report_asks *asks, const char *path,
                                 cml_report_file_function *each, void *context, struct cml_error *err)
@@ -204,6 +207,7 @@ static struct cml_image image_of(const struct cml_scene *scene, const struct cml
         .spacing = {d->size[0], d->size[1], 1}};
 }
 
+/* Writes a .vti image of the surface map, the volume or one detector, whichever the file contains. */
 static cml_status write_image(const struct cml_report *report, const struct cml_report_file *file,
                               const char *path, struct cml_error *err)
 {

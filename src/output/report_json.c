@@ -151,6 +151,7 @@ static void set_exact_totals(json_t *object, const struct cml_scene *scene, cons
     cml_json_set_real(object, "exact_error", worst);
 }
 
+/* Prints the result of `exact` as one line of JSON. */
 cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact,
                                  struct cml_error *err)
 {
@@ -253,6 +254,8 @@ static void rename_files(json_t *files, const char *folder, int slashes)
     }
 }
 
+/* Prints the JSON record of an earlier run for a result that was not flown again. The record's file names
+ * get the folder of the present `path`, because the result may have moved. */
 cml_status cml_report_json_again(FILE *stream, const char *json, const struct cml_scene *scene,
                                  const char *path, struct cml_error *err)
 {

@@ -164,6 +164,8 @@ json_t *cml_json_body(const struct cml_json_subject *subject, int k)
     return with_phase(body, scene->media[m].phase);
 }
 
+/* Describes layer l (0 is the top one) as JSON for `check --json`: optical properties, mean thickness, name
+ * and phase function. */
 static json_t *layer_json(const struct cml_json_subject *subject, int l)
 {
     const struct cml_medium_def *medium = &subject->scene->media[l + 1];
@@ -191,6 +193,8 @@ static json_t *detector_json(const struct cml_json_subject *subject, int k)
     return object;
 }
 
+/* Describes the line `saved` as JSON: the name of its file, the limit of packets, and the largest size of
+ * the file in bytes. */
 static json_t *saved_json(const struct cml_scene *scene)
 {
     const struct cml_saved_def *saved = &scene->saved;
@@ -201,6 +205,7 @@ static json_t *saved_json(const struct cml_scene *scene)
                      (json_int_t)cml_saved_file_bytes(&kind));
 }
 
+/* Describes the exact totals of the flat scene as JSON; null if they are not known. */
 static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *flat)
 {
     if (!flat) return json_null();
@@ -221,6 +226,8 @@ static cml_status deal_beams(struct cml_json_subject *subject, uint64_t photons,
     return cml_deal_numbers(scene->shares, scene->num_beams, photons, subject->dealt, err);
 }
 
+/* Prints an array of JSON elements one by one, because a long list as one object would take much memory.
+ * Returns nonzero if an element could not be made or printed. */
 static int print_list(FILE *stream, const struct cml_json_list *list, const struct cml_json_subject *subject)
 {
     int failed = 0;
@@ -261,6 +268,8 @@ static cml_status print_object(FILE *stream, json_t *object, const struct cml_js
     return failed ? cml_fail_memory(err, 1, "the JSON record") : CML_OK;
 }
 
+/* Prints a JSON object, in which a null member named like one of the lists is replaced by that list's
+ * elements. `photons` are dealt to the beams, whose numbers the beams' elements show. Frees the object. */
 cml_status cml_json_print_lists(FILE *stream, json_t *object, const struct cml_json_list *lists,
                                 size_t num_lists, struct cml_json_subject *subject, uint64_t photons,
                                 struct cml_error *err)

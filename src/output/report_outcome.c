@@ -41,6 +41,8 @@ static cml_status fill_input(const struct cml_report *report, struct cml_outcome
     return CML_OK;
 }
 
+/* Copies n, mua, mus and g of all bodies into the outcome. Media of bodies stand behind those of the layers,
+ * the medium above and the medium below, hence `+ 2`. */
 static cml_status fill_bodies(const struct cml_scene *scene, struct cml_outcome *o, struct cml_error *err)
 {
     double **to = &o->value[CML_QUANTITY_body_n];
@@ -100,6 +102,8 @@ static cml_status fill_extents(const struct cml_report *report, struct cml_outco
     return CML_OK;
 }
 
+/* Describes shapes, beam, phase functions and detectors of the scene in words, as four texts of the outcome.
+ * `reader` decides how long lists may be. */
 cml_status cml_report_words(struct cml_report *report, enum cml_report_reader reader, struct cml_error *err)
 {
     struct cml_outcome *o = &report->outcome;

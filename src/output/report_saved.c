@@ -118,6 +118,8 @@ static cml_status write(const struct cml_report *report, const char *path, const
     return cml_hdf5_write(path, attributes, n, &call, fields, num_fields, err);
 }
 
+/* Writes the file of saved packets, one row per packet in rising order of index. The array has one element
+ * more than packets, so that malloc(0) cannot return NULL. */
 cml_status cml_report_write_saved(struct cml_report *report, const char *path, struct cml_error *err)
 {
     struct cml_saved *saved = report->sums->saved;

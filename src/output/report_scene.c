@@ -37,6 +37,8 @@ const char *cml_backing_word(enum cml_backing_kind kind)
     return words[kind];
 }
 
+/* Prints the backing below the last layer: its kind with the reflectance R, or for a metal the complex index
+ * of refraction. Prints nothing if there is no backing. */
 static void print_backing(FILE *stream, const char *prefix, const struct cml_backing_def *backing)
 {
     if (backing->kind == CML_BACKING_NONE) return;
@@ -47,6 +49,7 @@ static void print_backing(FILE *stream, const char *prefix, const struct cml_bac
         fprintf(stream, "R = %.15g\n", backing->R);
 }
 
+/* Names a medium by its number: 0 is above, then the layers, one below, and then the bodies. */
 void cml_medium_name(const struct cml_scene *scene, int medium, char name[CML_MEDIUM_NAME])
 {
     const int body = medium - scene->num_layers - 1;
@@ -56,6 +59,8 @@ void cml_medium_name(const struct cml_scene *scene, int medium, char name[CML_ME
         snprintf(name, CML_MEDIUM_NAME, "%s %d", body > 0 ? "body" : "layer", body > 0 ? body : medium);
 }
 
+/* Prints the phase functions of all media that have one of their own, and the backing. People see the first
+ * 20 (`most`) and how many more there are; files name all. */
 void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        enum cml_report_reader reader)
 {
@@ -82,6 +87,8 @@ static void print_depths(FILE *stream, const struct cml_surface_def *def, enum c
         fprintf(stream, " (z = %.9g to %.9g cm)", def->depth + def->lowest, def->depth + def->highest);
 }
 
+/* Finds the least and the largest distance from the z axis of a body's bounding box. Along each axis the
+ * closest point is 0 if the box contains 0. */
 void cml_report_reach(const struct cml_body_surface *body, double *least, double *most)
 {
     double closest[2], farthest[2];
@@ -205,6 +212,7 @@ const char *cml_beam_word(enum cml_beam_shape kind)
     return words[kind];
 }
 
+/* Prints the shape of a beam and its size in cm. */
 static void report_beam_shape(FILE *stream, const struct cml_beam *beam)
 {
     fprintf(stream, "beam %s", cml_beam_word(beam->shape));
@@ -216,6 +224,8 @@ static void report_beam_shape(FILE *stream, const struct cml_beam *beam)
         fprintf(stream, " of %g x %g cm", beam->size[0], beam->size[1]);
 }
 
+/* Prints beam k: shape, place, direction, light, share of the photons, and the medium it starts in. The
+ * checksum stands for an image or table that is too long to print. */
 void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k,
                      const int *starts)
 {
@@ -268,6 +278,7 @@ static void report_detector(FILE *stream, const char *prefix, const struct cml_d
     fputs(detector->diffuse ? ", diffuse light\n" : "\n", stream);
 }
 
+/* Prints a line for each detector; people see the first 20 (`most`) and how many more there are. */
 void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_scene *scene,
                           enum cml_report_reader reader)
 {

@@ -118,6 +118,7 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
     return (int)(a - attributes);
 }
 
+/* Writes a result's .h5: the attributes of the outcome, those of the caller (`more`), and the fields. */
 static cml_status write_fields(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                                const struct fields *f, struct cml_error *err)
 {

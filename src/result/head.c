@@ -137,6 +137,8 @@ static bool read_mco(const char *path, struct cml_head *head)
 
 /* ---- .h5 ---- */
 
+/* Reads the number of photons and the identity of an .h5 result. Refuses a photon number that is no whole
+ * number below 2^53, above which a double cannot hold every whole number. */
 static bool read_h5(const char *path, struct cml_head *head)
 {
     struct cml_hdf5_head found;

@@ -32,6 +32,7 @@ int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
     return bins[axis];
 }
 
+/* Returns the number of cells of a quantity: the product of its axes' numbers of bins. */
 size_t cml_outcome_size(const struct cml_outcome *o, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
@@ -94,6 +95,8 @@ static const char *ending_of(enum cml_quantity quantity)
     return cml_quantities[quantity].name + strlen("detector");
 }
 
+/* Writes the name that a quantity has in JSON and in files; quantities of a detector contain the name of
+ * detector number `part`. */
 void cml_outcome_key(const struct cml_outcome *o, enum cml_quantity quantity, int part,
                      char key[CML_OUTCOME_KEY])
 {
@@ -105,6 +108,7 @@ void cml_outcome_key(const struct cml_outcome *o, enum cml_quantity quantity, in
 
 /* ---- memory ---- */
 
+/* Allocates the values of a quantity, or its standard errors, filled with zeros; an existing array stays. */
 cml_status cml_outcome_add(struct cml_outcome *o, enum cml_quantity quantity, bool errors,
                            struct cml_error *err)
 {
@@ -123,6 +127,7 @@ static bool is_of_mcml(enum cml_quantity quantity)
            (quantity >= CML_QUANTITY_layer_n && quantity <= CML_QUANTITY_Tt_ra);
 }
 
+/* Frees the values and standard errors of all quantities. */
 static void free_arrays(struct cml_outcome *o)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
@@ -140,6 +145,7 @@ static double numbers_of(const struct cml_outcome *o)
     return nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na + (1.0 + CML_LAYER_NUMBERS) * o->num_layers;
 }
 
+/* Allocates the arrays that an .mco file of original MCML must have, zero where nothing was tallied. */
 cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
 {
     const double bytes = (double)sizeof(double) * numbers_of(o);
@@ -291,6 +297,7 @@ static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enu
     return CML_OK;
 }
 
+/* Computes all quantities of a run from its integer sums, and copies the list of lost photons as text. */
 cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums, struct cml_error *err)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++)

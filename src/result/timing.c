@@ -49,6 +49,8 @@ void cml_record_add(struct cml_record *record, enum cml_recorded kind, double va
     record->error[at] = error;
 }
 
+/* True if the counts of a record read from a file fit the record's arrays, so that a damaged file cannot
+ * lead to reads beyond them. */
 bool cml_record_is_sound(const struct cml_record *record)
 {
     const int64_t *n = record->count, fluxes = n[CML_RECORDED_FLUXES];

@@ -30,6 +30,8 @@ static const enum cml_array
                      _(detector_t), _(moments), _(A_t), _(A_z)},
     of_row_grids[] = {_(Rd_ra), _(Tt_ra), _(A_rz), _(Rd_dir), _(Tt_dir), _(Rd_rt), _(Tt_rt)};
 
+/* Returns which arrays a holder (a thread's tally, a result, profiles, or a row of a sweep) contains, in the
+ * order in which they lie in its memory. */
 struct cml_array_order cml_order_of(enum cml_holder holder)
 {
 #define ORDER(list) {sizeof list / sizeof *list, list}

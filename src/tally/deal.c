@@ -41,6 +41,8 @@ cml_status cml_deal_numbers(const double *share, int count, uint64_t photons, ui
     return CML_OK;
 }
 
+/* Prepares the dealing of photons to `count` beams by their shares. `before` and `after` will count each
+ * beam's photons before and after a piece. One beam needs no counts. */
 cml_status cml_deal_create(const double *share, int count, struct cml_deal *deal, struct cml_error *err)
 {
     *deal = (struct cml_deal){.count = count, .share = share};

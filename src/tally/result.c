@@ -190,6 +190,8 @@ static void add_grid(struct cml_result *result, enum cml_array array, const stru
         cml_result_add_cells(result, array, g, &from);
 }
 
+/* Adds a tally of one piece of work to the result, except its totals and profiles, which batches keep. Large
+ * maps are mostly zero, so add_sparse adds only their nonzero cells. */
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     const struct cml_layout *own = &tally->layout;
@@ -395,6 +397,8 @@ double cml_result_sum(const struct cml_result *result, enum cml_array array, siz
     return cml_result_cell_sum(result->array[array] + i, parts, step);
 }
 
+/* Returns the standard error of cell i of an array: from the spread of groups of batches if the array is
+ * kept by group (parts > 1, step > 0), or from sums of squares. NaN if neither is kept. */
 double cml_result_sum_error(const struct cml_result *result, enum cml_array array, size_t i)
 {
     const struct cml_once once = result->layout.once[array];
@@ -424,6 +428,8 @@ double cml_result_once_sum(const cml_u128 *cells, size_t count, struct cml_once 
     return as_number(sum);
 }
 
+/* Returns the standard error of the sum of `count` cells. `once` tells how the cells are kept: as one sum
+ * per group, `step` cells apart, or as one sum and a sum of squares. */
 double cml_result_once_error(const struct cml_result *result, const cml_u128 *cells, size_t count,
                              struct cml_once once)
 {

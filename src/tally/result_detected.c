@@ -18,6 +18,8 @@ void cml_result_expected(const struct cml_result *result, int score, double *val
     *error = cml_result_sum_error(result, CML_ARRAY_expected, (size_t)score) * CML_EXPECTED_UNIT;
 }
 
+/* Gives value and standard error of the absorption of a layer: the expected value if the layer has a score,
+ * otherwise the counted one. The last layers of a scene have scores. */
 void cml_result_expected_layer(const struct cml_result *result, int layer, double *value, double *error)
 {
     const int score = layer - (result->grid.num_layers + 1 - result->grid.scores);

@@ -179,6 +179,9 @@ static void arrange(struct cml_saved *saved, bool by_index)
     move_rows(saved);
 }
 
+/* Sorts the kept packets and cuts them to the limit. If more were found than may stay, the packets with the
+ * lowest order numbers stay, and `last` becomes the highest of these. Returns how many were found and
+ * kept. */
 struct cml_saved_sums cml_saved_sort(struct cml_saved *saved)
 {
     if (saved->count >= saved->limit) {
@@ -192,6 +195,8 @@ struct cml_saved_sums cml_saved_sort(struct cml_saved *saved)
 
 /* ---- adding ---- */
 
+/* Adds `count` found packets. A row is the packet's index and its values. Packets behind the last one that
+ * can stay are counted, not kept. */
 void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count)
 {
     const uint64_t *from = rows;
@@ -219,6 +224,8 @@ size_t cml_saved_media(const struct cml_saved *saved)
     return saved->media;
 }
 
+/* Returns for how many launched photons the saved packets are complete: all if no packet was dropped,
+ * otherwise those whose order number is at most that of the last kept packet. */
 uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *run)
 {
     struct cml_piece piece;

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
+/* Returns the term of the energy balance that belongs to a total such as the diffuse reflectance. */
 enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
 {
     static const enum cml_balance_term terms[CML_NUM_TOTALS] = {[CML_TOTAL_SPECULAR] = CML_BALANCE_SPECULAR,
@@ -53,6 +54,8 @@ size_t cml_tally_profile_bins(const struct cml_tally_grid *grid)
     return cml_layout_of(grid, CML_OF_PROFILES).cells;
 }
 
+/* Returns the memory of one thread's tally in bytes. Among the profiles only those of detectors are counted,
+ * because only they can be many. */
 double cml_tally_bytes(const struct cml_tally_grid *grid)
 {
     /* Number of sets of profiles in a tally: the current sums, the sums before the current batch, and one row
@@ -168,6 +171,8 @@ static void add_cells(uint64_t *to, const uint64_t *from, size_t n)
     for (size_t i = 0; i < n; i++) to[i] += from[i];
 }
 
+/* Adds the sums of one tally to another and sets the first to zero. The tallies may differ in A_z and in
+ * arrays that only one has, so each array is added by its own place. */
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 {
     const struct cml_layout *own = &from->layout;
@@ -183,6 +188,9 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
     cml_tally_zero(from);
 }
 
+/* Returns the row of profiles for packets that end after their batch was closed. A batch's first late packet
+ * gets a new row. Old entries of row_of are never cleared: an entry is valid only if its row names the
+ * batch. */
 uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
 {
     struct cml_late *late = &tally->late;

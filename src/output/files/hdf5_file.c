@@ -274,6 +274,8 @@ static void write_call(struct writer *w, const struct cml_hdf5_call *call)
     check(w, H5Pclose(properties));
 }
 
+/* Writes attributes (texts or numbers), the group `call` and all fields to an open file, until one fails.
+ * w->failed remembers the first failure. */
 static void write_all(struct writer *w, const struct cml_attribute *attributes, int num_attributes,
                       const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields)
 {
@@ -382,6 +384,8 @@ static cml_status publish(const char *path, const struct writer *w, struct cml_e
     return cml_file_commit(&file, err);
 }
 
+/* Writes an HDF5 file: HDF5 builds the file in memory, then `publish` writes it to the disk. `buffer` holds
+ * a chunk of doubles, and behind them the same numbers as floats. */
 cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
                           const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields,
                           struct cml_error *err)

@@ -116,6 +116,8 @@ cml_status cml_vti_write(const char *path, const char *comment, const struct cml
     return end_file(&file, err);
 }
 
+/* Writes the XML elements of a mesh's points and polygons. The numbers themselves follow later in the file,
+ * as binary data. */
 static void describe_faces(struct layout *layout, const struct cml_faces *faces)
 {
     fprintf(layout->out, "      <Points>\n");
@@ -162,6 +164,7 @@ cml_status cml_vtp_write(const char *path, const char *comment, const struct cml
     return end_file(&file, err);
 }
 
+/* True if a VTK file begins with the given comment, by which a run recognises its own file. */
 bool cml_vtk_has_comment(const char *path, const char *comment)
 {
     char expected[128], found[sizeof expected];
@@ -173,6 +176,7 @@ bool cml_vtk_has_comment(const char *path, const char *comment)
     return count == length && memcmp(found, expected, length) == 0;
 }
 
+/* True if a VTK file ends with the last line that the writer writes, so that nothing was cut off. */
 bool cml_vtk_is_whole(const char *path)
 {
     char found[sizeof LAST_LINE];

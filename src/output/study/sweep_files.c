@@ -50,6 +50,7 @@ static bool is_of_media(const char *name)
            (strncmp(name, "flux_body", 9) == 0 && is_ending(name + 9)) || strcmp(name, "side") == 0;
 }
 
+/* True if a column of a sweep's results already has this name; a swept setting must have another one. */
 bool cml_sweep_is_of_results(const char *name)
 {
     for (int t = 0; t < cml_num_totals(true); t++) {
@@ -150,6 +151,7 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, const int co
     fputc('\n', out);
 }
 
+/* Writes the results of a sweep as a table of comma-separated values, one line for each row of the sweep. */
 cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results *results,
                                struct cml_error *err)
 {
@@ -401,6 +403,8 @@ static cml_status write_h5(const char *path, const struct grid *grid, struct fie
     return cml_hdf5_write(path, attributes, count, &r->call, list->field, list->count, err);
 }
 
+/* Writes the results of a sweep as HDF5. If the rows form a full grid of settings, each setting becomes an
+ * axis; otherwise the rows are the only axis. `most` bounds the number of fields. */
 cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *results,
                               struct cml_error *err)
 {

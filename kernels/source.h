@@ -270,6 +270,10 @@ CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct c
     packet->p.z = source->start;
 }
 
+/* Least cosine between a direction and an axis: a direction closer to square to the axis counts as having
+ * this cosine. 2^-20. */
+#define CML_NEARLY_LEVEL ((real)9.5367431640625e-7)
+
 /* Starts a packet of a source far outside of the scene: moves it along its line onto the level `start` (P1).
  *
  *         source, far away             x, y: place in the source's shape
@@ -279,7 +283,6 @@ CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct c
  *
  * A direction within CML_NEARLY_LEVEL of square to the axis meets the level further off than anything is. The
  * distance from the source counts as flown. */
-#define CML_NEARLY_LEVEL ((real)9.5367431640625e-7)
 CML_FN void cml_place_far(const struct cml_world *world, const CML_GLOBAL struct cml_source *source, real x,
                           real y, struct cml_vec turn, CML_PACKET struct cml_packet *packet)
 {

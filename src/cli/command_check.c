@@ -117,6 +117,8 @@ static void print_body_box(const struct cml_scene_body *body, int k)
            upper[1], lower[2], upper[2]);
 }
 
+/* Prints a line about each boundary or body that is a mesh or a tile; of bodies only the first
+ * MOST_BODIES. */
 static void print_meshes(const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) {
@@ -257,6 +259,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     return show(flown, scene, &surfaces, starts, &mean, sweep, err);
 }
 
+/* Runs `check`: reads scenes and sweeps as a run would, reports what was understood, and flies nothing. */
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;

@@ -42,6 +42,8 @@ static void dump_head(const struct dump *dump)
     fputc('\n', dump->stream);
 }
 
+/* Prints the totals of one of the compared runs. residue: what the energy balance of its packets leaves
+ * over. */
 static void print_side(const struct cml_check_side *side, const struct cml_result *result)
 {
     printf("  %-12s Rsp %.6f  Rd %.6f +- %.6f  A %.6f +- %.6f  Tt %.6f +- %.6f  lost %llu, residue %.17g\n",
@@ -73,6 +75,7 @@ static void print_pair(const struct cml_check_setup *setup, int s, const struct 
         printf("  worst bin: none, all %d values are equal\n", pair->values);
 }
 
+/* Prints each run's totals, then how each run compares with the first. */
 static void print_all(const struct cml_check_setup *setup, const struct cml_check_result *result,
                       double tolerance)
 {
@@ -229,6 +232,8 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     return check_surfaces(options, scene, index, &chosen, &meshes, err);
 }
 
+/* Runs `crosscheck`: flies the same photons in several ways (engines, meshes instead of exact shapes) and
+ * compares packet by packet. The comparison keeps all packets in one process. */
 cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_error *err)
 {
     CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};

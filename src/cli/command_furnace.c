@@ -284,6 +284,8 @@ static void print_all(struct furnace *f, uint64_t photons)
     printf("p = %.3g (Sidak over %d tests)\n", f->p, f->tested);
 }
 
+/* Describes one layer or body as JSON: the ratio of found to expected light, its error and z = deviation in
+ * standard errors. null: the place was not tested. */
 static json_t *place_json(const struct place *place)
 {
     json_t *object = json_pack("{s:s}", "name", place->name);
@@ -295,6 +297,7 @@ static json_t *place_json(const struct place *place)
     return object;
 }
 
+/* Prints the result of `furnace` as JSON. p: probability that even light deviates this much by chance. */
 static cml_status print_json(const struct furnace *f, uint64_t photons, double alpha, struct cml_error *err)
 {
     json_t *object =
@@ -310,6 +313,8 @@ static cml_status print_json(const struct furnace *f, uint64_t photons, double a
 
 /* ---- the command ---- */
 
+/* Reports the result of a furnace, and fails if light is uneven: p below --alpha. The text names the place
+ * that deviates most. */
 static cml_status publish(const struct cml_options *options, struct furnace *f, uint64_t photons,
                           struct cml_error *err)
 {
@@ -323,6 +328,7 @@ static cml_status publish(const struct cml_options *options, struct furnace *f, 
                     f->p, z, name);
 }
 
+/* Names the places of a furnace whose light is compared: below the scene, the layers, then the bodies. */
 static cml_status name_places(struct furnace *f, struct cml_error *err)
 {
     f->num_places = 1 + f->scene.num_layers + f->scene.num_bodies;
@@ -337,6 +343,8 @@ static cml_status name_places(struct furnace *f, struct cml_error *err)
     return CML_OK;
 }
 
+/* Makes the furnace of a scene: its diffuse light, the names of its layers and bodies, its surfaces, and the
+ * volumes from which the expected light follows. */
 static cml_status prepare(const struct cml_options *options, const struct cml_scene *scene, struct furnace *f,
                           struct cml_surface_set *surfaces, struct cml_error *err)
 {
@@ -347,6 +355,7 @@ static cml_status prepare(const struct cml_options *options, const struct cml_sc
     return cml_check_memory(options, &f->scene, surfaces, err);
 }
 
+/* Flies the photons of a furnace, then judges and reports on rank 0. */
 static cml_status fly(const struct cml_options *options, struct furnace *f, const struct cml_run_setup *setup,
                       struct cml_error *err)
 {

@@ -81,6 +81,8 @@ static cml_status join(const struct cml_options *options, const char *scene, str
     return run(&call, err);
 }
 
+/* Runs `merge`: joins the files of parts to one result. The first word may be the scene file of the parts,
+ * for which the parts' own command line otherwise names the path. */
 cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err)
 {
     const bool has_scene = cml_file_ends_in(options->operands[0], ".mci");

@@ -171,6 +171,7 @@ static double longest_pilot(const struct plan *plan)
     return (double)pilot->round[pilot->num_rounds - 1].photons;
 }
 
+/* Says how much time --aim would save for one of the scene's goals. A gain of 0 or below means none. */
 static void print_gain(const struct cml_window_table *windows, const char *aim, const char *name)
 {
     const double gain = windows->gain;
@@ -236,6 +237,8 @@ static void print_plan(const struct plan *plan)
     print_windows(plan);
 }
 
+/* Describes one row of `plan` as JSON: the speed of an engine with one kind of sampling, and for each goal
+ * the photons and seconds until the wanted error is reached. */
 static json_t *row_json(const struct plan *plan, int engine, int lattice)
 {
     const double speed = plan->photons_per_s[engine];

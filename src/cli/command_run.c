@@ -92,6 +92,7 @@ static cml_status look_at_parts(const struct session *session, struct cml_error 
     return cml_part_files_looked(files, status, err);
 }
 
+/* Flies all runs of a file, one after the other. Checkpoints go at the end, unless the options keep them. */
 static cml_status run_all(const struct session *session, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
@@ -236,6 +237,8 @@ static cml_status run_file(struct session *session, struct cml_inputs *inputs, s
     return status;
 }
 
+/* Runs `run`: checks options on all ranks, reads the scenes, and flies the runs of the file or the rows of a
+ * sweep. */
 cml_status cml_command_run(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_options mine = *options;

@@ -56,6 +56,8 @@ static uint64_t shorter(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
+/* Flies a short pilot run in rounds of growing length and keeps each round's errors. Ends after a given
+ * number of photons or about `seconds`. */
 cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int growth,
                          struct cml_pilot *pilot, struct cml_error *err)
 {
@@ -88,6 +90,8 @@ static double interpolate(const struct cml_pilot_round rounds[2], int goal, doub
     return isfinite(rounds[0].error[goal]) ? first * pow(last / first, slope) : last;
 }
 
+/* Estimates how many photons a goal needs for a relative standard error. Between two rounds of the pilot the
+ * errors are interpolated; beyond the pilot they fall with the root of the photons. */
 double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error)
 {
     int reached = pilot->num_rounds; /* from this round on all rounds reach the error */

@@ -44,6 +44,8 @@ double cml_engine_row_share(const struct cml_medium_def *flown, double more)
     return mua > 0 ? CML_ROW_SAMPLING * mua / (flown->mus > 0 ? flown->mus : flown->mua) : 0;
 }
 
+/* Finds a medium in which a row of a shared flight would learn A(z) from too few interactions, because the
+ * flown medium hardly interacts. Returns -1 if there is none. */
 int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_engine_rows *rows)
 {
     for (int m = 0; m < scene->num_layers + 2 + scene->num_bodies; m++)
@@ -178,6 +180,7 @@ static void add_to_range(void *context, struct cml_tally *tally)
     pthread_mutex_unlock(&range->lock);
 }
 
+/* Flies packets first to first + count - 1 by themselves, without batches, and adds them to a tally. */
 cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uint64_t first, uint64_t count,
                                 struct cml_tally *tally, struct cml_error *err)
 {
@@ -196,6 +199,7 @@ const char *cml_fate_name(int fate)
     return names[fate];
 }
 
+/* Names a cause for which packets are given up, for messages. */
 const char *cml_lost_cause_name(int cause)
 {
     static const char *const names[CML_NUM_LOST_CAUSES] = {"not lost",

@@ -15,6 +15,7 @@ struct reference_engine {
     struct cml_tally tally; /* the tally of a call of run; zero between calls */
 };
 
+/* Frees a reference engine; NULL is allowed. */
 static void reference_close(void *self)
 {
     struct reference_engine *engine = self;

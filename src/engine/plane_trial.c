@@ -238,6 +238,8 @@ static cml_status open_trial(const struct cml_scene *scene, const struct cml_eng
     return CML_OK;
 }
 
+/* Frees a trial, which flies the same photons in two ways: with the shape of a boundary, and with a plane in
+ * its place. */
 static void close_trial(struct trial *trial)
 {
     for (int way = 0; way < 2; way++) {

@@ -63,6 +63,8 @@ static double phase_bytes(const struct cml_scene *scene)
            (sizeof(struct cml_phase_line) + sizeof(struct cml_phase_cell));
 }
 
+/* Returns the memory of the scene in the form that kernels read, in bytes. Boundaries and bodies have the
+ * same records, so they are counted together. */
 double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_owned_world all = counted(surfaces);

@@ -12,6 +12,8 @@
  * box. */
 static const double err_box_share = 16 * (double)CML_EPSILON;
 
+/* Allocates the arrays of bodies that kernels read: bodies, nodes of the search tree, and grids with their
+ * cells. */
 static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
                                   struct cml_error *err)
 {

@@ -382,6 +382,7 @@ static cml_status place_above(const struct cml_scene *scene, const struct cml_be
 
 /* ---- all beams ---- */
 
+/* Returns the memory of all beams in the form that kernels read, in bytes. */
 double cml_source_bytes(const struct cml_scene *scene)
 {
     double bytes = 0;
@@ -393,6 +394,8 @@ double cml_source_bytes(const struct cml_scene *scene)
     return bytes;
 }
 
+/* Allocates the arrays of beams that kernels read. Tables of light and images of all beams lie one behind
+ * the other. */
 static cml_status allocate_sources(const struct cml_scene *scene, struct cml_owned_world *to,
                                    struct cml_error *err)
 {

@@ -36,6 +36,8 @@ void cml_dense_add_row_product(const struct cml_dense_kind *kind, const double *
         if (!is_full(kind, k, &met)) c[k] += a[k] * b[(size_t)k * (size_t)n + (size_t)k];
 }
 
+/* Adds the matrix product a b to c. Rows that are zero except for their diagonal number (not in kind->full)
+ * cost one multiplication. */
 void cml_dense_add_product(const struct cml_dense_kind *kind, int more, const double *a, const double *b,
                            double *c)
 {
@@ -49,6 +51,7 @@ void cml_dense_add_product(const struct cml_dense_kind *kind, int more, const do
     }
 }
 
+/* Adds the product of two matrices without special rows to c. The loops run in the order of memory. */
 void cml_dense_add_general(int rows, int middle, int columns, const double *restrict a,
                            const double *restrict b, double *restrict c)
 {

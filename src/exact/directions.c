@@ -196,6 +196,7 @@ void cml_directions_clear(struct cml_directions *directions)
     *directions = (struct cml_directions){0};
 }
 
+/* Allocates the tables of directions for `most` directions at most, and num_media media. */
 static cml_status allocate(int num_media, int most, struct cml_directions *to, struct cml_error *err)
 {
     *to = (struct cml_directions){.num_media = num_media};

@@ -266,6 +266,8 @@ static cml_status converge(struct search *search, struct cml_exact *exact, struc
                     search->options->most_work);
 }
 
+/* Allocates what the search for converged totals needs: the totals of the last three orders, and the spread
+ * of walks at rough boundaries. */
 static cml_status allocate(struct cml_arrays *arrays, struct search *search, struct cml_error *err)
 {
     const size_t boundaries = (size_t)search->num_layers + 1, count = (size_t)search->count;

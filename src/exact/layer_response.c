@@ -34,6 +34,7 @@ struct work {
     double *moment;          /* [terms + 1] Legendre moments of the phase function */
 };
 
+/* Allocates the scratch arrays for the response of one layer; n is the number of directions. */
 static void allocate_work(struct cml_arrays *arrays, struct work *w)
 {
     const size_t n = (size_t)w->n;

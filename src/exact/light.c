@@ -119,6 +119,8 @@ static bool all_come_from_above(const struct cml_scene *scene, double top)
     return k == scene->num_beams;
 }
 
+/* Refuses beams that do not come from above all layers, because adding-doubling knows no sources inside.
+ * top: depth of the highest boundary, cm. */
 static cml_status check_beams(const struct cml_scene *scene, double top, struct cml_error *err)
 {
     char value[40];

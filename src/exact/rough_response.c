@@ -16,6 +16,7 @@ extern cml_rough_walker *const cml_rough_walker_base;
 extern cml_rough_walker *const cml_rough_walker_v3, *const cml_rough_walker_v4;
 #endif
 
+/* Returns the walks at rough boundaries as compiled for the best instructions of this processor. */
 static cml_rough_walker *best_walker(void)
 {
 #ifdef CML_X86_LEVELS
@@ -147,6 +148,8 @@ static void walk_part(const struct work *w, int part, double walks, struct cml_r
     set_matrices(w, to);
 }
 
+/* Allocates reflection and transmission matrices of a rough boundary for light from above (R, T) and from
+ * below. */
 static struct cml_rough_matrices matrices_of(const struct work *w, struct cml_arrays *arrays)
 {
     const size_t above = (size_t)w->above, below = (size_t)w->below;
@@ -161,6 +164,8 @@ static void add_mean(const double *part, size_t count, double *mean)
     for (size_t i = 0; i < count; i++) mean[i] += part[i] / CML_ROUGH_PARTS;
 }
 
+/* Walks all parts of the sample and sums their matrices into the mean. Standard errors come from the spread
+ * of the parts. */
 static void fill(const struct work *w, double walks, struct cml_rough_response *to)
 {
     const size_t above = (size_t)w->above, below = (size_t)w->below;

@@ -48,6 +48,8 @@ double cml_stack_fresnel(double n1, double c1, double n2, double c2)
     return (s * s + p * p) / 2;
 }
 
+/* Allocates the matrices and blocks of a stack of layers. A block keeps the shares of up to BLOCK_LAYERS
+ * layers; with one block for all, memory would grow with the square of the number of layers. */
 static cml_status allocate(struct stack *stack, const struct cml_directions *directions,
                            struct cml_error *err)
 {
@@ -264,6 +266,8 @@ static void share_out(const struct stack *stack, const double *light, int step, 
     *transmitted = light[0];
 }
 
+/* Computes the shares of incident light that a stack of layers reflects, transmits and absorbs, by adding
+ * layer after layer. absorbed: [layers]. */
 cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                             const struct cml_stack_rough *rough, const struct cml_directions *directions,
                             int terms, double *reflected, double *transmitted, double *absorbed,

@@ -425,6 +425,8 @@ static cml_status read_version(struct cml_mci_reader *reader)
     return refuse_version(reader, version);
 }
 
+/* Reads a whole .mci file: version, number of runs, the runs, and nothing behind them. --output names one
+ * result, so the file must have one run. */
 static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list *list)
 {
     int runs = 0;
@@ -484,6 +486,8 @@ static cml_status read_shapes(const struct cml_mci_reader *copying, struct cml_s
     return CML_OK;
 }
 
+/* Copies a scene with other settings. The copy shares shapes and tables with the original, except those
+ * whose scale the settings change. */
 cml_status cml_mci_copy(const struct cml_scene *from, const struct cml_input_options *options,
                         struct cml_scene *scene, struct cml_error *err)
 {

@@ -51,6 +51,7 @@ static cml_status read_row(struct cml_mci_reader *rows, struct cml_light *light)
     return CML_OK;
 }
 
+/* Reads the rows "angle intensity" of a light's table; at least two rows, and some light. */
 static cml_status read_light_table(struct cml_mci_reader *rows, void *context)
 {
     struct cml_light *light = context;
@@ -90,6 +91,7 @@ static cml_status take_pixels(const char *path, const struct cml_heightmap *map,
                    : cml_fail_field(err, path, 0, "pixels", "all 0", "light in one of them at least");
 }
 
+/* Reads the image file of a beam, whose pixels say how much light starts where. */
 static cml_status read_image(struct cml_mci_reader *reader, const char *name, struct cml_beam *beam)
 {
     struct cml_heightmap map = {0};
@@ -116,6 +118,8 @@ static const struct {
               [CML_BEAM_IMAGE] = {"image", CML_KEYS_NONE}};
 enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
+/* Lists which groups of keys a beam has: it depends on its shape, its light and where it starts. in_line:
+ * for reading its line; otherwise for --set, which cannot add keys. */
 void cml_mci_beam_parts(struct cml_scene *scene, int k, bool in_line, struct cml_key_part *part)
 {
     struct cml_beam *beam = &scene->beams[k];
@@ -206,6 +210,8 @@ cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *sce
     return CML_OK;
 }
 
+/* Reads a line `beam` and the files that it names. The line's z= decides between a beam inside the scene and
+ * one from above. */
 cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_key_part parts[CML_MOST_KEY_PARTS];
@@ -322,6 +328,8 @@ static cml_status check_beam(const struct cml_mci_reader *reader, const struct c
     return beam->inside ? CML_OK : check_light(reader, scene, k);
 }
 
+/* Checks every beam against the rest of the scene, when all lines are read. A rectangle that is to cover one
+ * period of a tile gets its size here. */
 cml_status cml_mci_check_beams(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_beams; k++) {

@@ -383,6 +383,7 @@ static cml_status read_m(struct cml_mci_reader *reader, int index, struct cml_bo
     return CML_OK;
 }
 
+/* Reads the shape of a boundary: of a line `b` (radial heightfield) or `m` (mesh or heightmap). */
 static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                 struct cml_boundary *boundary)
 {
@@ -393,6 +394,8 @@ static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind
     return cml_mci_name_line(reader, owner, boundary->file, status);
 }
 
+/* Reads a line `b` or `m` with the shape of boundary number `index`. A boundary has one shape. With
+ * options->flat the shape is checked and dropped. */
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                             struct cml_boundary *boundary)
 {

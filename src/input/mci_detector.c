@@ -23,6 +23,8 @@ static const struct {
               {"map", CML_DETECTOR_MAP, CML_KEYS_DETECTOR_MAP}};
 enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
+/* Lists which groups of keys of a detector may be set: it depends on its shape and on whether it looks in
+ * one direction. */
 void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part)
 {
     int s = detector->ring ? 1 : 0;
@@ -79,6 +81,7 @@ static cml_status set_name(struct cml_mci_line *line)
     return cml_mci_fail_value(line, expected);
 }
 
+/* Stores the value of a detector's keys that need their own code: its name, and the side it lies on. */
 static cml_status set_own(struct cml_mci_line *line)
 {
     static const char *const sides[] = {"top", "bottom"};
@@ -91,6 +94,7 @@ static cml_status set_own(struct cml_mci_line *line)
 
 /* ---- the line ---- */
 
+/* Appends an empty detector to the scene. */
 static cml_status add_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const int n = scene->num_detectors;
@@ -134,6 +138,7 @@ struct table {
     struct cml_scene *scene;
 };
 
+/* Reads a file of detectors, one in each row. */
 static cml_status read_rows(struct cml_mci_reader *rows, void *context)
 {
     const struct table *table = context;
@@ -145,6 +150,7 @@ static cml_status read_rows(struct cml_mci_reader *rows, void *context)
                : cml_mci_fail(rows, "rows", "0", "a detector in each, one at least");
 }
 
+/* Reads a line `detector`, or a file of such lines. */
 cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct table table = {reader, scene};
@@ -212,6 +218,8 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
     return status;
 }
 
+/* Completes all detectors when all lines are read, and refuses two of one name, or more than 2^30 pixels in
+ * all. Each pixel needs a sum and a sum of squares, hence 2^31 cells at most. */
 cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const double most = 2147483648.0;

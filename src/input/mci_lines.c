@@ -187,6 +187,8 @@ cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field, 
     return cml_fail_field(reader->err, reader->text.path, reader->text.line, field, value, expected);
 }
 
+/* Puts "FILE:LINE: OWNER: " before an error message about a file that the line names, because the mistake
+ * may be in the line. Returns `status`. */
 cml_status cml_mci_name_line(const struct cml_mci_reader *reader, const char *owner, const char *file,
                              cml_status status)
 {
@@ -196,6 +198,7 @@ cml_status cml_mci_name_line(const struct cml_mci_reader *reader, const char *ow
                     why.text);
 }
 
+/* Sends a note about a line of the scene to the user. */
 void cml_mci_note(const struct cml_mci_reader *reader, int line, const char *format, ...)
 {
     const struct cml_input_options *options = reader->options;
@@ -217,6 +220,7 @@ cml_status cml_mci_fail_key(const struct cml_mci_reader *reader, const char *own
     return cml_mci_fail(reader, name, word, cml_key_expected(key, expected));
 }
 
+/* Reads the next word of a line as the value of `key`, and stores it in the struct at `base`. */
 cml_status cml_mci_number(struct cml_mci_reader *reader, const char *owner, const struct cml_key *key,
                           void *base)
 {
@@ -227,6 +231,7 @@ cml_status cml_mci_number(struct cml_mci_reader *reader, const char *owner, cons
     return CML_OK;
 }
 
+/* Reads the numbers that stand at fixed places at the beginning of a line, before options like key=value. */
 cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *owner,
                                    const struct cml_key_part *parts)
 {
@@ -285,6 +290,7 @@ cml_status cml_mci_end_line(struct cml_mci_reader *reader, const char *owner)
     return word ? cml_mci_fail(reader, owner, word, "the end of the line or a comment") : CML_OK;
 }
 
+/* Goes to the next row of a table that is neither blank nor a comment; false at the end of the file. */
 bool cml_mci_next_row(struct cml_mci_reader *rows)
 {
     while ((rows->cursor = cml_text_next(&rows->text))) {
@@ -294,6 +300,8 @@ bool cml_mci_next_row(struct cml_mci_reader *rows)
     return false;
 }
 
+/* Reads a table from a file beside the scene. `read` reads all its rows; `expected` is what the line should
+ * have named. */
 cml_status cml_mci_table(struct cml_mci_reader *reader, const char *owner, const char *name,
                          const char *expected, cml_status (*read)(struct cml_mci_reader *rows, void *context),
                          void *context)
@@ -311,6 +319,8 @@ cml_status cml_mci_table(struct cml_mci_reader *reader, const char *owner, const
     return status;
 }
 
+/* Returns what a valid name of an output is, if this name is none; NULL if it is valid. Names must leave
+ * room for endings like .map.vti. */
 const char *cml_mci_why_no_name(const char *name)
 {
     const char *slash = strrchr(name, '/');

@@ -15,6 +15,7 @@
 
 #define MOST_ROWS 1000000
 
+/* Makes room for one more row in the three arrays of a tabulated phase function. */
 static cml_status grow_table(const struct cml_mci_reader *reader, struct cml_phase *phase)
 {
     double **const arrays[] = {&phase->deflection, &phase->density, &phase->below};
@@ -49,6 +50,8 @@ static cml_status read_row(struct cml_mci_reader *rows, struct cml_phase *phase)
     return CML_OK;
 }
 
+/* Reads the rows "angle density" of a phase function up to 180 degrees, where the deflection 1 - cos is 2,
+ * and scales them to a probability. */
 static cml_status read_rows(struct cml_mci_reader *rows, void *context)
 {
     struct cml_phase *phase = context;
@@ -110,6 +113,8 @@ static cml_status share_phase(const struct cml_mci_reader *reader, struct cml_sc
     return CML_OK;
 }
 
+/* Reads a line `phase`, which gives the layer or body before it a phase function. Equal phase functions are
+ * stored once. */
 cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
 {
     const int k = scene->num_bodies - 1;
@@ -181,6 +186,8 @@ static cml_status check_mean(const struct cml_mci_reader *reader, const struct c
     return cml_fail_field(reader->err, scene->file, medium->phase_line, field, value, expected);
 }
 
+/* Checks all media when all numbers are known: that rounding does not lose the absorption, and that a
+ * table's mean cosine fits g. */
 cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     double mean[CML_MOST_PHASES];
@@ -200,6 +207,8 @@ cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct
 
 /* ---- backing: the surface under the last boundary ---- */
 
+/* Reads a line `backing`, the surface under the last boundary: a metal of complex index, or a mirror or
+ * Lambertian reflector of reflectance R. */
 cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing)
 {
     char expected[CML_KEY_TEXT], either[CML_KEY_TEXT + 20];
@@ -236,6 +245,7 @@ static bool set_rough_kind(const char *name, struct cml_rough_def *rough)
     return which >= 0;
 }
 
+/* Reads the roughness of a body, as in rough=ggx,0.2; false if it is invalid. */
 bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
 {
     char name[16];
@@ -246,6 +256,7 @@ bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
            cml_key_parse(cml_keys_of(CML_KEYS_ROUGH), text + length + 1, &rough->alpha);
 }
 
+/* Reads a line `rough` of boundary number `index`: the distribution of facet slopes and its width alpha. */
 cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index, struct cml_rough_def *rough)
 {
     char field[48], expected[96];
@@ -264,6 +275,8 @@ cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index, struct c
     return CML_OK;
 }
 
+/* Refuses a rough last boundary over a Lambertian backing: light from the backing has no microfacet to
+ * pass. */
 cml_status cml_mci_check_rough(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const struct cml_rough_def *last = &scene->boundaries[scene->num_layers].rough;

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
+/* Reads the unit of length of a mesh file and stores the unit in cm. */
 cml_status cml_mci_mesh_units(const struct cml_mci_line *line, struct cml_obj_options *obj)
 {
     static const char *const units[] = {"cm", "mm", "um", "m"};

@@ -22,6 +22,8 @@ static cml_status set(const struct cml_mci_reader *reader, const struct cml_sett
     return CML_OK;
 }
 
+/* Replaces the scale factors of boundary b by settings like boundary0.scale. They are needed before the
+ * shape is read, earlier than other settings. */
 cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, double *scale, double *height)
 {
     struct cml_boundary factors = {.scale = *scale, .height = *height};
@@ -237,6 +239,7 @@ static void write_names(FILE *out, struct cml_scene *scene)
     }
 }
 
+/* Refuses a setting whose name the scene does not have, and lists the names that it has. */
 static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct cml_setting *setting,
                                struct cml_scene *scene)
 {
@@ -275,6 +278,8 @@ static cml_status find(struct cml_mci_reader *reader, struct cml_scene *scene, c
     return *key || !split(text, &name) ? CML_OK : find_number(reader, scene, &name, key, base);
 }
 
+/* Puts the values of all settings into the scene. place[] holds which number each setting changes, so that
+ * none is set twice under two names. */
 cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const struct cml_settings *settings = reader->options->settings;
@@ -318,6 +323,8 @@ cml_status cml_mci_is_setting(const struct cml_scene *scene, const char *text, b
     return status;
 }
 
+/* True if a column's quoted name was perhaps meant as a setting: a dot, a beginning like "layer", or a name
+ * similar to that of a number. */
 bool cml_mci_resembles_setting(const char *text)
 {
     struct cml_guess guess = {.word = text, .length = strlen(text)};
@@ -376,6 +383,7 @@ static const char *why_no_layer_name(const struct cml_scene *scene, int layer, c
     return NULL;
 }
 
+/* Cuts the word name=NAME off the end of a layer's line and gives the layer this name. */
 cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, int layer,
                               struct cml_scene *scene)
 {

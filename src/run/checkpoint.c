@@ -43,6 +43,8 @@ cml_status cml_part_path(const char *output, struct cml_part part, char **path, 
                            part.count);
 }
 
+/* Returns the photons of a round (begin to end - 1) that part number K of N flies: the K-th of N equal
+ * stretches. A whole run (count 0) flies all. */
 struct cml_range cml_part_turns(struct cml_part part, uint64_t begin, uint64_t end)
 {
     const cml_u128 turns = end - begin;
@@ -481,6 +483,8 @@ static cml_status read_older(const char *path, const struct wanted *wanted, stru
     return CML_OK;
 }
 
+/* Reads the checkpoint of a run, or the older one beside it if the newest is missing or damaged. *note then
+ * tells the user so. */
 cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
                                struct cml_run_state *state, struct cml_result *result, bool tallies,
                                struct cml_record *record, struct cml_error *note, struct cml_error *err)
@@ -505,6 +509,8 @@ static struct cml_checkpoint_about about_of(const struct head *head)
                                          head->num_cells > 0, head->begin, head->end, head->part};
 }
 
+/* Reads only the head of a checkpoint: what kind of run wrote it and how far it got. A file that cannot be
+ * read counts as none. */
 struct cml_checkpoint_about cml_checkpoint_look(const char *path)
 {
     struct cml_checkpoint_about about = {.kind = CML_CHECKPOINT_NONE};
@@ -529,6 +535,8 @@ static cml_status read_part(struct source *source, struct cml_record *record, st
     return read_record(source, record, err);
 }
 
+/* Reads the head, the identity and the command line of the file of one part. Any fault is reported as bad
+ * input, because the user named the file. */
 cml_status cml_part_look(const char *path, struct cml_checkpoint_about *about, char **identity, char **call,
                          struct cml_error *err)
 {

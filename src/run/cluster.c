@@ -29,6 +29,7 @@ static struct {
 /* Sums of cells (128-bit integers) and of summaries are operations of our own, because MPI has no integers of
  * 128 bits. To MPI their types are bytes. Both operations commute, as MPI_Op_create is told. */
 
+/* Adds 128-bit sums of one rank to those of another, for MPI_Reduce; MPI itself has no 128-bit numbers. */
 static void add_cells(void *in, void *inout, int *count, MPI_Datatype *type)
 {
     (void)type;
@@ -41,6 +42,7 @@ static void add_cells(void *in, void *inout, int *count, MPI_Datatype *type)
     }
 }
 
+/* Adds the summaries (balance, counts, lost packets) of one rank to those of another, for MPI_Reduce. */
 static void add_summaries(void *in, void *inout, int *count, MPI_Datatype *type)
 {
     (void)type;
@@ -128,6 +130,8 @@ void cml_cluster_await_launcher(void)
     for (double waited = 0; waited < 2 * cml_ranks.timeout; waited += 0.1) cml_cluster_sleep(0.1);
 }
 
+/* Ends MPI. If contact to a rank was lost, aborts all ranks instead, because MPI_Finalize would wait for the
+ * lost one forever. */
 void cml_cluster_end(cml_status status)
 {
     int begun = 0;

@@ -130,6 +130,7 @@ void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
     (void)context;
 }
 
+/* Stands for the request of work from rank 0 in a program without MPI, where no other rank exists. */
 cml_status cml_cluster_request(const struct cml_work_request *request, struct cml_work_reply *reply,
                                struct cml_error *err)
 {

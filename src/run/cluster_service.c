@@ -49,6 +49,7 @@ static cml_status fail_mpi(int code, struct cml_error *err)
     return cml_fail(err, CML_E_IO, "MPI failed (%s)", text);
 }
 
+/* Makes the error message of a rank that has not been heard of for too long. */
 cml_status cml_cluster_fail_contact_lost(struct cml_error *err)
 {
     const int rank = atomic_load(&cml_ranks.lost_rank);

@@ -16,6 +16,8 @@ static bool is_beside_part(const char *path)
            cml_file_ends_in(path, ".tmp");
 }
 
+/* Reads the heads of all files that `merge` was given, and skips files that only lie beside parts (.lock,
+ * .old, .tmp). */
 cml_status cml_part_files_read(char *const *path, int count, struct cml_part_files *files,
                                struct cml_error *err)
 {
@@ -32,6 +34,7 @@ cml_status cml_part_files_read(char *const *path, int count, struct cml_part_fil
     return cml_fail(err, CML_E_INPUT, "merge: no parts (expected those of a run, NAME.partKofN)");
 }
 
+/* Frees what was read of the files of parts. */
 void cml_part_files_clear(struct cml_part_files *files)
 {
     for (int i = 0; files->file && i < files->count; i++) {
@@ -42,6 +45,8 @@ void cml_part_files_clear(struct cml_part_files *files)
     *files = (struct cml_part_files){0};
 }
 
+/* Ends the first pass over all runs of the scene file. A file that no run has claimed belongs to another
+ * run, and is refused. */
 cml_status cml_part_files_looked(struct cml_part_files *files, cml_status status, struct cml_error *err)
 {
     files->looking = false;

@@ -60,6 +60,8 @@ static cml_status exchange(struct cml_saved *saved, size_t most, size_t size, ch
     return CML_OK;
 }
 
+/* Sends the saved packets of all ranks to rank 0, in blocks of about BLOCK_BYTES so that memory stays small.
+ * Rank 0 has one block for each rank and one for itself. */
 cml_status cml_gather_saved(struct cml_saved *saved, struct cml_error *err)
 {
     if (!saved || cml_cluster_size() == 1) return CML_OK;

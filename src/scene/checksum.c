@@ -21,6 +21,8 @@ static uLong sum_tile(const struct cml_heightmap *tile, enum cml_normals normals
     return add_numbers(sum, tile->h, (size_t)tile->nx * (size_t)tile->ny);
 }
 
+/* Returns a checksum of a mesh's coordinates, triangles and kind of normals, by which two runs see that they
+ * have the same mesh. 0 if there are no triangles. */
 uint32_t cml_mesh_checksum(const struct cml_mesh *mesh)
 {
     if (mesh->num_triangles == 0) return 0;

@@ -52,6 +52,8 @@ static void make_field(struct shape *shape, const struct cml_radial *radial, dou
     set_range(shape, radial->h, (size_t)radial->n, z);
 }
 
+/* Makes the shape that represents a repeated heightmap in the search for overlaps: a plane if all heights
+ * are equal, otherwise the range of depths that the heights span. z: the boundary's nominal depth. */
 static void make_tile(struct shape *shape, const struct cml_heightmap *tile, double z)
 {
     if (cml_tile_is_flat(tile)) {
@@ -92,6 +94,7 @@ struct phrase {
     char text[128];
 };
 
+/* Names a triangle of a boundary, or the plane outside its border, for a message. */
 static struct phrase name_part(uint32_t triangle, int boundary)
 {
     struct phrase phrase;
@@ -118,6 +121,8 @@ static cml_status fail_touch(const struct cml_scene *scene, const struct shape *
                     line_of(upper, lower), upper->number, lower->number, at[0], at[1], at[2], apart);
 }
 
+/* Refuses two boundaries of which the lower one does not stay below the upper one. `at`: a point where they
+ * cross; `depth`: how far the upper one reaches below the lower one there, cm. */
 static cml_status fail_deep(const struct cml_scene *scene, const struct shape *upper,
                             const struct shape *lower, const double at[3], double depth,
                             struct cml_error *err)
@@ -290,6 +295,8 @@ static void keep_above(struct above *above, struct shape *shape)
     if (!above->plane.boundary || shape->bottom >= above->plane.bottom) above->plane = *shape;
 }
 
+/* Refuses a scene whose boundaries cross or touch. Each boundary is compared with itself and with those
+ * above it that could reach it, which `above` keeps. */
 cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err)
 {
     struct above above = {.curved.boundary = NULL};

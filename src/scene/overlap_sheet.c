@@ -40,6 +40,7 @@ static cml_status fill_sheet(struct cml_sheet *sheet, double z, struct cml_error
     return CML_OK;
 }
 
+/* Prepares a mesh for the search for overlaps. z: nominal depth of the mesh's boundary. */
 cml_status cml_sheet_create(const struct cml_mesh *mesh, double z, struct cml_sheet *sheet,
                             struct cml_error *err)
 {
@@ -50,6 +51,7 @@ cml_status cml_sheet_create(const struct cml_mesh *mesh, double z, struct cml_sh
     return status;
 }
 
+/* Frees everything of a sheet except its mesh, which the scene owns. */
 void cml_sheet_clear(struct cml_sheet *sheet)
 {
     free(sheet->vertex);
@@ -160,6 +162,9 @@ static enum cml_contact flat_contact(const struct cml_sheet *sheet, uint32_t i, 
     return cml_footprint_contains(sheet->footprint, at[0], at[1]) ? CML_APART : CML_TOUCH;
 }
 
+/* Searches a mesh for triangles that cut each other. Pairs of triangles come first; then each triangle is
+ * compared with those in its own plane, and with the outer plane. A crossing found later replaces a mere
+ * touch. */
 void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_overlap *overlap)
 {
     memset(overlap, 0, sizeof *overlap);

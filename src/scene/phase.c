@@ -65,6 +65,9 @@ static double table_below(const struct cml_phase *phase, double deflection)
     return phase->below[i] + (deflection - phase->deflection[i]) * (phase->density[i] + p) / 2;
 }
 
+/* Returns the mean cosine g of a tabulated phase function. The table has the density over the deflection 1 -
+ * cos(theta). Between rows the density is linear, and each summand is the exact integral of deflection times
+ * density. */
 static double table_mean(const struct cml_phase *phase)
 {
     double sum = 0;
@@ -189,6 +192,8 @@ double cml_phase_mean(const struct cml_phase *phase)
 
 /* ---- words and lists ---- */
 
+/* True if two phase functions scatter alike: the same kind and parameters, and the same rows if they are
+ * tables. */
 bool cml_phase_equal(const struct cml_phase *a, const struct cml_phase *b)
 {
     const size_t bytes = (size_t)a->rows * sizeof(double);
@@ -198,6 +203,7 @@ bool cml_phase_equal(const struct cml_phase *a, const struct cml_phase *b)
            (memcmp(a->deflection, b->deflection, bytes) == 0 && memcmp(a->density, b->density, bytes) == 0);
 }
 
+/* Prints a phase function as a line of the .mci has it. `sums`: adds the checksum of a table. */
 void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums)
 {
     fputs(cml_phase_name(phase->kind), stream);
@@ -207,6 +213,7 @@ void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums)
     if (sums) fprintf(stream, ", crc32 %08x", phase->checksum);
 }
 
+/* Frees a phase function. The rows of a table may belong to several scenes, and go with the last one. */
 static void phase_free(struct cml_phase *phase)
 {
     if (cml_share_end(phase->users)) {
@@ -218,6 +225,7 @@ static void phase_free(struct cml_phase *phase)
     free(phase);
 }
 
+/* Frees a list of phase functions. */
 void cml_phases_free(struct cml_phase *first)
 {
     while (first) {

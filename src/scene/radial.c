@@ -21,6 +21,7 @@ void cml_radial_clear(struct cml_radial *radial)
     memset(radial, 0, sizeof *radial);
 }
 
+/* Allocates n radii and heights of a radial heightfield. */
 static cml_status allocate(struct cml_radial *radial, int n, struct cml_error *err)
 {
     const size_t bytes = (size_t)n * sizeof *radial->r;

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Removes the shape of a boundary: its nominal plane remains. Only for a shape that no other scene shares. */
 void cml_boundary_flatten(struct cml_boundary *boundary)
 {
     free(boundary->radial.r);
@@ -23,6 +24,8 @@ void cml_boundary_flatten(struct cml_boundary *boundary)
     boundary->form = CML_FORM_PLANE;
 }
 
+/* Removes all optional outputs from a copy of a scene, so that a flight of it needs little memory. The
+ * removed members still belong to the original and must not be freed. */
 void cml_scene_ask_nothing(struct cml_scene *scene)
 {
     scene->map = (struct cml_map_def){0};
@@ -34,6 +37,7 @@ void cml_scene_ask_nothing(struct cml_scene *scene)
     scene->num_detectors = 0;
 }
 
+/* Frees the shape of a boundary when its last user goes. Depth and roughness stay. */
 void cml_boundary_clear(struct cml_boundary *boundary)
 {
     const struct cml_boundary kept = {.z = boundary->z, .rough = boundary->rough};
@@ -44,6 +48,7 @@ void cml_boundary_clear(struct cml_boundary *boundary)
     *boundary = kept;
 }
 
+/* Frees the bodies of a scene, unless another scene still shares them. */
 static void clear_bodies(struct cml_scene *scene)
 {
     if (!cml_share_end(scene->body_users)) return;
@@ -113,6 +118,8 @@ static void copy_phases(const struct cml_scene *from, struct cml_scene *to, bool
         if (to->media[m].phase) to->media[m].phase = copy[to->media[m].phase->index];
 }
 
+/* Gives a copied scene its own texts, as each scene frees its texts. *failed becomes true if memory runs
+ * out. */
 static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool *failed)
 {
     to->file = copied_text(from->file, failed);
@@ -246,6 +253,8 @@ double cml_radial_height(const struct cml_radial *radial, double r)
     return radial->h[i] + t * (radial->h[i + 1] - radial->h[i]);
 }
 
+/* Returns the angle (rad) at which pictures draw the rim of a beam: the widest angle, or for a table of
+ * intensities the last angle with half of the greatest intensity, interpolated between rows. */
 double cml_light_spread(const struct cml_light *light, double medium_n)
 {
     const double *t = light->t, *intensity = light->intensity;

@@ -349,6 +349,8 @@ static double outer_height(const struct cml_boundary *boundary)
     return boundary->radial.h[boundary->radial.n - 1];
 }
 
+/* Makes the plane in which a curved boundary continues beyond its border; for a tile the plane at the mean
+ * height. */
 void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def)
 {
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE, .rough = boundary->rough};
@@ -370,6 +372,7 @@ cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, str
     return make_cones(&level, level.n, boundary->z, def, err);
 }
 
+/* Frees a surface when its last user goes, and leaves the plane z = 0. */
 void cml_surface_clear(struct cml_surface_def *def)
 {
     if (cml_share_end(def->users)) {

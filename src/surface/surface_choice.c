@@ -40,6 +40,8 @@ struct cml_expectation cml_choice_expect_cones(int rings)
     return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * rings};
 }
 
+/* Estimates accuracy and speed of a mesh made from a radial heightfield. `deviation`: the farthest that the
+ * mesh strays, cm; `bias`: the resulting relative bias, unknown with normals at vertices. */
 struct cml_expectation cml_choice_expect_tessellation(const struct cml_surface_options *options)
 {
     const struct cml_tessellation tessellation = cml_choice_tessellation(options);

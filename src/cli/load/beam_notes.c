@@ -167,6 +167,8 @@ static void note_lost(const struct cml_scene *scene, const struct cml_surface_se
               k + 1, above ? "above" : "below", above ? "up" : "down");
 }
 
+/* Checks that every beam that begins inside the scene does so in a medium. Surfaces are made only if there
+ * is such a beam. */
 cml_status cml_check_starts(const struct cml_scene *scene, const struct cml_surface_options *options,
                             struct cml_error *err)
 {
@@ -177,6 +179,8 @@ cml_status cml_check_starts(const struct cml_scene *scene, const struct cml_surf
     return cml_source_media(scene, &surfaces, &medium, err);
 }
 
+/* Shows notes on beams that are allowed but probably not what the user wants, such as light that a clear
+ * layer traps. */
 cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int **starts,
                          struct cml_error *err)
 {

@@ -38,6 +38,7 @@ cml_status cml_check_stack(struct cml_error *err)
                     (unsigned long long)stack.rlim_cur / 1024, LEAST_STACK);
 }
 
+/* Prints a note on standard error, with the number of the rank unless it is rank 0. */
 void cml_show_note(void *context, const char *text)
 {
     (void)context;
@@ -110,6 +111,8 @@ static bool lies_alike(const struct cml_scene *one, const struct cml_scene *othe
     return true;
 }
 
+/* Copies a scene with other settings, for a row of a sweep. Shapes that the settings change are read again
+ * from `inputs`, which keeps the bytes of all files. Overlaps are checked only if something has moved. */
 cml_status cml_copy_scene(const struct cml_options *options, const struct cml_settings *settings,
                           const char *output, struct cml_inputs *inputs, const struct cml_scene *from,
                           struct cml_scene *scene, struct cml_error *err)
@@ -149,6 +152,8 @@ cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_l
     return load(options, NULL, list, err);
 }
 
+/* Reads the scenes and keeps the bytes of all files read, as a run does to resume and to send them to
+ * ranks. */
 cml_status cml_load_scenes_as_run(const struct cml_options *options, struct cml_scene_list *list,
                                   struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -188,6 +193,7 @@ static cml_status load_shared(const struct cml_options *options, struct cml_scen
     return cml_cluster_agree(status, err);
 }
 
+/* Reads the scenes on all ranks: only rank 0 opens files, the others get their bytes. */
 cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_scene_list *list,
                                   struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -200,6 +206,7 @@ cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_
     return status;
 }
 
+/* Reads the scenes and calls `fly` for each, with the number of threads chosen for this rank. */
 cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly, struct cml_error *err)
 {
     struct cml_options mine = *options;
@@ -213,6 +220,8 @@ cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly,
     return CML_OK;
 }
 
+/* Makes the surfaces that a scene is flown with. With --tolerance, shapes too slight to matter become
+ * planes. */
 cml_status cml_choose_surfaces(const struct cml_options *options, const struct cml_scene *scene,
                                struct cml_surface_set *surfaces, struct cml_error *err)
 {
@@ -288,6 +297,7 @@ double cml_most_memory(const struct cml_options *options, const struct cml_scene
     return memory_of(options, scene, surfaces).most;
 }
 
+/* Refuses a run that needs more memory than the machine has, before the run begins. */
 cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
                             const struct cml_surface_set *surfaces, struct cml_error *err)
 {
@@ -298,6 +308,7 @@ cml_status cml_check_memory(const struct cml_options *options, const struct cml_
                     scene->file, scene->output, bytes / gib, most / gib);
 }
 
+/* Prints the largest memory that a run will need, with the shares of sums and of writing files. */
 void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces)
 {
@@ -307,6 +318,8 @@ void cml_print_memory(const struct cml_options *options, const struct cml_scene 
            memory.tallies / mib, memory.output / mib);
 }
 
+/* Prints what the reader changed on the mesh of boundary b, so that the user can correct the file. Nothing
+ * if nothing was changed. */
 void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
@@ -340,6 +353,8 @@ static void warn_of_binding(int threads)
     cml_show_note(NULL, text);
 }
 
+/* Returns the number of threads of this rank: that of --threads, else OMP_NUM_THREADS, else this rank's
+ * share of the machine's cores. 0 leaves an odd value to OpenMP. */
 int cml_choose_threads(const struct cml_options *options)
 {
     const char *environment = getenv("OMP_NUM_THREADS");

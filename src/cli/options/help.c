@@ -55,6 +55,7 @@ static void print_item(FILE *stream, const char *typed, const char *text)
     print_wrapped(stream, text, INDENT, INDENT);
 }
 
+/* Prints one option: how it is typed, and its help. owners: adds the commands that it belongs to. */
 static void print_option(FILE *stream, const struct cml_option *option, bool owners)
 {
     char letter[8] = "", typed[80], commands[160] = "", text[640];
@@ -164,6 +165,7 @@ static void print_list(FILE *stream)
                     "  clustermcml plot results/hihill.mco -o hihill.svg\n");
 }
 
+/* Prints the help of a command: usage, text, options and examples. */
 static void print_command(FILE *stream, enum cml_command which)
 {
     const struct cml_command_def *command = &cml_commands[which];
@@ -184,6 +186,8 @@ static void print_one_option(FILE *stream, const struct cml_option *option)
     cml_manual_print_word(stream, typed);
 }
 
+/* Refuses a topic that help does not know, and suggests the option, command or page with the most similar
+ * name. */
 static cml_status refuse(const char *topic, struct cml_error *err)
 {
     struct cml_guess guess = {.word = topic, .length = strlen(topic)};
@@ -201,6 +205,8 @@ static cml_status refuse(const char *topic, struct cml_error *err)
                     meant ? "did you mean " : "try clustermcml help", meant ? meant : "", meant ? "?" : "");
 }
 
+/* Prints the help on a topic. Names are looked up in this order: lists, options, commands, pages of the
+ * manual, and words that the manual explains. */
 cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err)
 {
     if (!topic) {

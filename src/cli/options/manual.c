@@ -195,6 +195,8 @@ static int print_glossary(FILE *stream, const char *word)
     return count;
 }
 
+/* Prints all passages of the manual that explain a word: sections with the word in the heading, rows of
+ * tables, else the section that the glossary names. Returns their number. */
 int cml_manual_print_word(FILE *stream, const char *word)
 {
     int count = 0;

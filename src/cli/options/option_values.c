@@ -90,6 +90,8 @@ cml_status cml_read_number(const struct cml_option *option, const char *value, s
     return fail(err, option, value, option->words);
 }
 
+/* Reads the value of an option that takes one of several words. The option's number becomes its least value
+ * plus the word's position in the list. */
 cml_status cml_read_word(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -135,6 +137,8 @@ static bool parse_pair(const char *value, double *a, double *b)
     return cml_parse_double(first, a) && cml_parse_double(comma + 1, b);
 }
 
+/* Reads --roulette: `mcml` for that of original MCML, or two weights: below the first, roulette is played,
+ * and survivors get the second. */
 cml_status cml_read_roulette(const struct cml_option *option, const char *value, struct cml_options *options,
                              struct cml_error *err)
 {
@@ -159,6 +163,8 @@ static bool is_aim(const char *name)
     return *number >= '1' && *number <= '9' && cml_parse_int(number, &layer);
 }
 
+/* Reads --aim: names of the quantities that packets are guided to. Whether the scene has them is checked
+ * later. */
 cml_status cml_read_aim(const struct cml_option *option, const char *value, struct cml_options *options,
                         struct cml_error *err)
 {
@@ -171,6 +177,7 @@ cml_status cml_read_aim(const struct cml_option *option, const char *value, stru
     return CML_OK;
 }
 
+/* Reads --error-of: the one layer or detector whose error ends a run. */
 cml_status cml_read_error_of(const struct cml_option *option, const char *value, struct cml_options *options,
                              struct cml_error *err)
 {
@@ -189,6 +196,7 @@ cml_status cml_read_checkpoint(const struct cml_option *option, const char *valu
     return CML_OK;
 }
 
+/* Reads --part K/N: this process flies only part K of N. */
 cml_status cml_read_part(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -211,6 +219,7 @@ cml_status cml_read_tolerance(const struct cml_option *option, const char *value
     return cml_read_number(option, value, options, err);
 }
 
+/* Reads the largest number of triangles that a heightmap's mesh may have. */
 cml_status cml_read_mesh_budget(const struct cml_option *option, const char *value,
                                 struct cml_options *options, struct cml_error *err)
 {

@@ -83,6 +83,8 @@ static enum word_kind next_word(struct words *words)
 
 /* ---- refusals ---- */
 
+/* Refuses a word that looks like an option but is none, and suggests the nearest name: also for a long name
+ * behind a single dash. */
 static cml_status refuse_unknown(const struct words *words, struct cml_error *err)
 {
     const char *name = words->typed + 2, *meant = NULL, *whole = words->operand + 1;
@@ -114,6 +116,8 @@ static cml_status check_belongs(const struct words *words, const struct cml_opti
                     words->typed, options->engine->name, option->engine);
 }
 
+/* Checks an option before its value is read: known, allowed for this command, with a value exactly if it
+ * takes one. */
 static cml_status check_option(const struct words *words, const struct cml_options *options,
                                struct cml_error *err)
 {
@@ -258,6 +262,8 @@ static bool is_topic(struct words *words, const struct cml_options *options)
     return true;
 }
 
+/* Reads the command line into *options. Operands (words that are no options) are moved to the front of argv,
+ * in their order. */
 cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
 {
     set_defaults(options);

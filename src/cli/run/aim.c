@@ -27,6 +27,7 @@ static int find_detector(const struct cml_scene *scene, const char *name, int le
     return 0;
 }
 
+/* Adds a detector to the quantities that --aim names. name: `length` letters of the option's text. */
 static cml_status add_detector(const char *name, int length, const struct cml_scene *scene,
                                struct wanted *wanted, struct cml_error *err)
 {
@@ -49,6 +50,9 @@ static void add_layer(int layer, bool reached, struct wanted *wanted)
         wanted->layers = layer - 1;
 }
 
+/* Adds the absorption of the layer in "A_l:N" to the quantities that --aim names. Layer 1 is refused,
+ * because packets reach the first layer anyway. level: all layers below layer `level` are flat, 0 if
+ * unknown. */
 static cml_status add_absorption(const char *name, int length, const struct cml_scene *scene, int level,
                                  struct wanted *wanted, struct cml_error *err)
 {
@@ -201,6 +205,8 @@ void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options)
     if (aim->windows.cells > 0) options->windows = &aim->windows;
 }
 
+/* Finds the number for what --error-of names: a layer as its number, a detector as its negative number
+ * counted from 1. 0 without the option. */
 cml_status cml_find_error_of(const struct cml_options *options, const struct cml_scene *scene, int *of,
                              struct cml_error *err)
 {
@@ -214,6 +220,7 @@ cml_status cml_find_error_of(const struct cml_options *options, const struct cml
                     scene->file, scene->line, name, scene->num_layers);
 }
 
+/* Tries out --aim before any flight, so that a refusal comes early. The aim itself is made again later. */
 cml_status cml_aim_check(const struct cml_options *options, const struct cml_scene *scene,
                          const struct cml_surface_set *shared, struct cml_error *err)
 {
@@ -246,6 +253,8 @@ static bool would_gain(const struct cml_scene *scene, const struct cml_surface_s
     return gain;
 }
 
+/* Returns a detector that no packet has reached and that --aim would help, counted from 1; otherwise 0. A
+ * note then suggests --aim to the user. */
 int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                    const struct cml_result *result)
 {

@@ -40,6 +40,8 @@ static uint64_t photons_of(const char *path)
     return !cml_file_is_device(path) && cml_head_read(path, &head) ? head.photons : 0;
 }
 
+/* Refuses to let --resume replace another run's result that has more photons, because it took longer to
+ * fly. */
 cml_status cml_before_keep_better(const struct cml_options *options, const char *path, uint64_t photons,
                                   uint64_t *found, struct cml_error *err)
 {
@@ -175,6 +177,8 @@ static cml_status keep_better(const struct cml_options *options, const struct cm
     return cml_before_keep_better(options, path, setup->photons, &found, err);
 }
 
+/* Looks at what lies under the names of a run's files before it flies: a result that stands, a result of
+ * another run, a checkpoint. row: of a sweep from 1, or 0. */
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                            struct cml_before *before, struct cml_error *err)
 {
@@ -273,6 +277,8 @@ static void note_no_medium_times(const struct cml_scene *scene)
     cml_show_note(NULL, text);
 }
 
+/* Describes a file that will be replaced, for a note; with the photons of an old result, which cost time.
+ * False if there is no file. */
 bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
 {
     if (access(path, F_OK) != 0 || cml_file_is_device(path)) return false;
@@ -295,6 +301,8 @@ static void note_replaced(const struct cml_scene *scene, const char *there)
     free(saved);
 }
 
+/* Shows notes on what a run overwrites or misses when it begins to fly: checkpoints, results, beams without
+ * photons. */
 void cml_before_note(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                      const struct cml_before *before)
 {

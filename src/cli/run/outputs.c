@@ -291,6 +291,7 @@ static cml_status check_distinct(const struct cml_outputs *outputs, const struct
     return CML_OK;
 }
 
+/* Refuses a run whose result would overwrite one of the files that it reads. */
 static cml_status fail_input(const struct cml_options *options, const struct cml_scene *scene,
                              const char *input, struct cml_error *err)
 {
@@ -440,6 +441,8 @@ static cml_status claim_run(const struct cml_options *options, const struct cml_
     return device ? CML_OK : add_checkpoint(options, outputs, path, run, err);
 }
 
+/* Checks and locks the files of all runs: distinct names, no input overwritten, no foreign file or kept
+ * result in the way. Only the first num_locks runs are locked. */
 static cml_status claim_all(const struct cml_options *options, const struct cml_scene_list *list,
                             int num_locks, const struct cml_inputs *inputs, struct cml_outputs *outputs,
                             struct cml_error *err)
@@ -455,6 +458,8 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
     return CML_OK;
 }
 
+/* Claims the files of all runs before the first one flies, so that no result is lost for a bad name hours
+ * later. */
 cml_status cml_outputs_claim(const struct cml_options *options, const struct cml_scene_list *list,
                              int num_locks, const struct cml_inputs *inputs,
                              void (*note)(void *context, const char *text), struct cml_outputs *outputs,
@@ -472,6 +477,8 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     return status;
 }
 
+/* Releases the locks of all runs. A folder that was made for the results goes too if it stayed empty: rmdir
+ * refuses others. */
 void cml_outputs_release(struct cml_outputs *outputs)
 {
     for (size_t i = 0; i < outputs->num_locks; i++) cml_file_lock_release(&outputs->lock[i]);

@@ -35,6 +35,7 @@ void cml_pending_begin(struct cml_pending *pending)
     cml_file_defer_sync(true);
 }
 
+/* Adds a finished row of a sweep to those whose checkpoints are marked as finished later, many at a time. */
 cml_status cml_pending_add(struct cml_pending *pending, const char *checkpoint, const char *identity,
                            const struct cml_run_state *state, const struct cml_record *record,
                            struct cml_error *err)
@@ -78,6 +79,7 @@ cml_status cml_pending_flush(struct cml_pending *pending, bool now, struct cml_e
     return status;
 }
 
+/* Ends a sweep: marks remaining rows as finished if `marks`, and forces all result files to disk. */
 cml_status cml_pending_end(struct cml_pending *pending, bool marks, struct cml_error *err)
 {
     cml_status status = marks ? cml_pending_flush(pending, true, err) : CML_OK;

@@ -178,6 +178,8 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
 
 /* ---- columns that are set, and labels ---- */
 
+/* Refuses a quoted column name (a label) that is the name of a setting, because the user probably meant to
+ * set the value. */
 static cml_status fail_label(const struct cml_sweep_table *table, int column, struct cml_error *err)
 {
     char field[32];
@@ -379,6 +381,7 @@ static cml_status look_at_parts(struct cml_sweep_run *sweep, struct cml_error *e
 
 /* ---- results of the sweep ---- */
 
+/* Writes the results of all rows as .csv and, if the program has HDF5, as .h5. */
 static cml_status write_tables(const struct cml_sweep_run *sweep, const struct cml_sweep_results *results,
                                struct cml_error *err)
 {
@@ -462,6 +465,7 @@ static cml_status finish(const struct cml_sweep_run *sweep, cml_status flown, st
     return flown;
 }
 
+/* Prints how many rows a sweep has, and in how many flights they are flown. */
 static void announce(const struct cml_sweep_run *sweep)
 {
     printf("clustermcml %s, %d rank%s: %d row%s of %s", cml_version(), cml_cluster_size(),
@@ -482,6 +486,8 @@ static void note_replaced(const struct cml_sweep_run *sweep)
     free(csv);
 }
 
+/* Notes that some rows have results but no checkpoint, so that --resume begins them again and replaces the
+ * results. */
 static void note_anew(const struct cml_sweep_run *sweep)
 {
     char text[CML_REPLACED + 200];
@@ -512,6 +518,7 @@ static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
     return cml_cluster_agree(status, err);
 }
 
+/* Frees a sweep and releases its files. */
 static void clear_sweep(struct cml_sweep_run *sweep)
 {
     cml_sweep_rows_clear(&sweep->rows);
@@ -522,6 +529,7 @@ static void clear_sweep(struct cml_sweep_run *sweep)
     free(sweep->group);
 }
 
+/* Runs all rows of a --sweep. Every row is checked before the first one flies. */
 cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
                      struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -533,6 +541,8 @@ cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_l
     return status;
 }
 
+/* Checks all rows of a sweep without flying, and returns how many rows and flights there are. *largest:
+ * options of the flight that needs most memory. */
 cml_status cml_sweep_check(const struct cml_options *options, const struct cml_scene_list *list,
                            struct cml_inputs *inputs, struct cml_sweep_size *size,
                            struct cml_engine_options *largest, struct cml_error *err)

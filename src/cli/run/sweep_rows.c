@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Allocates the records of `count` rows, none of which is done yet. */
 cml_status cml_sweep_rows_create(int count, struct cml_sweep_rows *rows, struct cml_error *err)
 {
     *rows = (struct cml_sweep_rows){.count = count};

@@ -33,6 +33,7 @@ struct cpu_engine {
     uint64_t chunk;
 };
 
+/* Frees an engine of the processor; NULL is allowed, and so is an engine that was not opened completely. */
 static void cpu_close(void *self)
 {
     struct cpu_engine *cpu = self;
@@ -115,6 +116,8 @@ static int choose_threads(int asked)
     return wanted < most ? wanted : most;
 }
 
+/* Opens the engine of the processor for a scene: the scene as kernels read it, and per thread a tally and
+ * scratch memory. Without --chunk, 1024 packets are flown at a time. */
 static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                            const struct cml_engine_options *options, void **self, struct cml_error *err)
 {

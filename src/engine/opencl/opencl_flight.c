@@ -281,6 +281,8 @@ static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_o
     return set_arguments(scene, &parts, flight, err);
 }
 
+/* Opens an OpenCL device for a scene: compiles the kernel and copies the scene. On failure everything is
+ * released. */
 cml_status cml_opencl_flight_open(const struct cml_opencl_device *device,
                                   const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                                   struct cml_error *err)
@@ -291,6 +293,7 @@ cml_status cml_opencl_flight_open(const struct cml_opencl_device *device,
     return status;
 }
 
+/* Releases everything of an OpenCL flight, also of one that was only partly opened. */
 void cml_opencl_flight_close(struct cml_opencl_flight *flight)
 {
     for (int i = 0; i < CML_NUM_BUFFERS; i++)

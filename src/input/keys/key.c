@@ -36,6 +36,7 @@ bool cml_key_parse(const struct cml_key *key, const char *word, double *value)
     return true;
 }
 
+/* Stores a number in the struct member that the key names, converted to its type: degrees become radians. */
 void cml_key_store(const struct cml_key *key, void *base, double value)
 {
     void *member = (char *)base + key->member;
@@ -86,6 +87,7 @@ static void print_words(const char *words, char text[CML_KEY_TEXT])
     }
 }
 
+/* Writes what values a key takes, in words for "(expected ...)": list of words, form, or range with unit. */
 const char *cml_key_expected(const struct cml_key *key, char text[CML_KEY_TEXT])
 {
     char least[24], most[24];
@@ -109,6 +111,8 @@ const char *cml_key_expected(const struct cml_key *key, char text[CML_KEY_TEXT])
     return text;
 }
 
+/* Writes the range of a key for a column of the help: "0 to 1e30"; for keys that are no numbers their
+ * words. */
 const char *cml_key_range(const struct cml_key *key, char text[CML_KEY_TEXT])
 {
     char least[24], most[24];
@@ -131,6 +135,8 @@ const char *cml_key_fallback(const struct cml_key *key)
     return key->fallback ? key->fallback : key->type == CML_KEY_FLAG ? "no" : "required";
 }
 
+/* Returns the unit of a setting from the last part of its name, such as "1/cm" for layer1.mua; "1" without a
+ * unit. Phase functions have names of their own. */
 const char *cml_key_unit(const char *name)
 {
     const char *dot = strrchr(name, '.');

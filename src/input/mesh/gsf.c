@@ -194,6 +194,7 @@ static cml_status check_order(const struct field *f, const char *data, size_t co
                           "floats with the lowest byte first; these look big-endian");
 }
 
+/* Refuses missing heights, and heights so large that later products would overflow. */
 static cml_status check_heights(const struct field *f, const struct cml_heightmap *map)
 {
     const size_t nx = (size_t)map->nx;

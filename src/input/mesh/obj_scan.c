@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Frees the vertices and faces of a scanned OBJ text. */
 void cml_obj_scan_clear(struct cml_obj_scan *scan)
 {
     free(scan->vertex);
@@ -184,6 +185,8 @@ static size_t count_words(const char **at, const char *end)
     return words;
 }
 
+/* Counts the triangles of an OBJ text in one quick pass, so that a mesh that is too large is refused before
+ * it takes memory. A face with n corners becomes n - 2 triangles. */
 size_t cml_obj_count(const struct cml_text *text)
 {
     size_t triangles = 0;
@@ -201,6 +204,8 @@ size_t cml_obj_count(const struct cml_text *text)
     return triangles;
 }
 
+/* Checks every line of an OBJ text, and blanks lines other than vertices and faces, which the library then
+ * does not see. Indices are checked later, since faces may stand before their vertices. */
 cml_status cml_obj_scan_text(struct cml_text *text, struct cml_obj_scan *scan, struct cml_error *err)
 {
     *scan = (struct cml_obj_scan){0};

@@ -48,6 +48,8 @@ void take_face(void *user, tinyobj::index_t *indices, int num_indices)
 
 } // namespace
 
+/* Reads the faces of an OBJ text with tinyobjloader. Catches every exception of the library, because C code
+ * calls this function. */
 size_t cml_obj_tiny_corners(const char *text, size_t size, uint32_t *corner, size_t capacity)
 {
     try {

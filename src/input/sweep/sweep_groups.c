@@ -37,6 +37,8 @@ static bool may_share(const struct cml_sweep_table *table, const struct cml_swee
     return true;
 }
 
+/* Divides the rows of a sweep into groups that one flight can serve. A row joins the first group whose first
+ * row it may share a flight with. */
 cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml_sweep_medium *media,
                            int **group, int *num_groups, struct cml_error *err)
 {

@@ -202,6 +202,8 @@ static cml_status compare(struct encounter *e, struct cml_error *err)
     return form == CML_FORM_MESH ? compare_sphere_with_sheet(e, err) : compare_sphere_with_field(e, err);
 }
 
+/* Finds between which depths a boundary lies: `top` is the smallest and `bottom` the greatest depth of its n
+ * heights. */
 static void take_heights(struct encounter *e, const double *h, size_t n)
 {
     e->top = INFINITY;
@@ -242,6 +244,7 @@ static cml_status check_boundary(const struct cml_scene *scene, int layer, int n
     return status;
 }
 
+/* Refuses bodies that touch or cross the boundary above or below their layer. */
 cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_error *err)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {

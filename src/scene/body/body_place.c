@@ -27,6 +27,8 @@ struct placing {
     struct cml_error *err;
 };
 
+/* Prepares body k for comparison with other bodies: its box's volume, by which bodies are ordered, and for a
+ * mesh its sheet. */
 static cml_status make_solid(const struct cml_scene *scene, int k, struct cml_sheet *sheet,
                              struct solid *solid, struct cml_error *err)
 {
@@ -40,6 +42,7 @@ static cml_status make_solid(const struct cml_scene *scene, int k, struct cml_sh
     return cml_sheet_create(&body->mesh, 0, sheet, err);
 }
 
+/* Refuses two bodies that touch or overlap. The message is about the line that comes later in the file. */
 static cml_status fail_pair(const struct cml_scene *scene, const struct solid *a, const struct solid *b,
                             enum cml_convex_order order, const double at[3], struct cml_error *err)
 {

@@ -14,6 +14,8 @@ const char *cml_body_form_name(enum cml_body_form form)
     return names[form];
 }
 
+/* Returns a sphere or cylinder in the form that geometry of convex sets uses; a cylinder with a unit axis
+ * and a length. */
 struct cml_convex cml_body_convex(const struct cml_scene_body *body)
 {
     struct cml_convex convex = {.form = CML_CONVEX_SPHERE, .radius = body->radius};
@@ -53,6 +55,8 @@ void cml_body_point(const struct cml_scene_body *body, double point[3])
     if (body->form == CML_BODY_SPHERE) point[0] += body->radius;
 }
 
+/* Returns the volume of a body, cm^3. The volume of a mesh is the sum of signed tetrahedra from vertex 0 to
+ * each facet. */
 double cml_body_volume(const struct cml_scene_body *body)
 {
     const double r = body->radius;

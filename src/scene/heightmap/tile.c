@@ -55,6 +55,8 @@ static cml_status mirror(const char *path, struct cml_heightmap *map, struct cml
     return CML_OK;
 }
 
+/* Makes one period of a heightmap that is repeated over the plane. `mirrored`: the period becomes twice as
+ * long in x and y by mirror images, which makes its edges fit. */
 cml_status cml_tile_make(const char *path, bool mirrored, struct cml_heightmap *map,
                          struct cml_tile_notes *notes, struct cml_error *err)
 {
@@ -112,6 +114,8 @@ bool cml_tile_is_flat(const struct cml_heightmap *tile)
 
 /* ---- meshes ---- */
 
+/* Places the vertices of the cells' mesh: corners of the heightmap's samples, row by row. z points down, so
+ * that heights change their sign. */
 static void place_vertices(const struct cml_heightmap *tile, const struct cml_tile_cells *cells,
                            struct cml_mesh *mesh)
 {
@@ -140,6 +144,7 @@ static void place_triangles(const struct cml_heightmap *tile, const struct cml_t
         }
 }
 
+/* Makes a mesh of a rectangle of cells, with two triangles for each cell. */
 cml_status cml_tile_sheet(const struct cml_heightmap *tile, const struct cml_tile_cells *cells,
                           enum cml_normals normals, struct cml_mesh *mesh, struct cml_error *err)
 {
@@ -168,6 +173,8 @@ cml_status cml_tile_patch(const struct cml_heightmap *tile, const struct cml_til
     return status;
 }
 
+/* Returns the cells of the patch that queries search: one period with a margin on each side, and at least
+ * LEAST_WIDTH cells in x and y. */
 struct cml_tile_cells cml_tile_patch_cells(const struct cml_heightmap *tile)
 {
     const int n[2] = {tile->nx, tile->ny};
@@ -200,6 +207,8 @@ static double depth_at_middle(const struct cml_heightmap *tile, double z, int64_
     return z - (cml_tile_height(tile, i + one, j) + cml_tile_height(tile, i + 1 - one, j + 1)) / 2;
 }
 
+/* Keeps the smallest gap between two boundaries found so far, and its place. upper, lower: depths of the two
+ * boundaries at (x, y), cm. */
 static void keep_closest(double upper, double lower, double x, double y, double *gap, double at[3])
 {
     if (!(lower - upper < *gap)) return;

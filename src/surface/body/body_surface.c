@@ -188,6 +188,8 @@ static cml_status create_tessellated(const struct cml_scene *scene, const double
     return status;
 }
 
+/* Makes the surfaces of all bodies, as queries search them. tolerance > 0 replaces spheres and cylinders by
+ * meshes. Scenes of a sweep share the result, hence the count of users. */
 cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double origin[2],
                                     const double *depths, double tolerance, enum cml_mesh_search search,
                                     struct cml_body_surfaces *surfaces, struct cml_error *err)
@@ -226,6 +228,8 @@ void cml_body_surfaces_free(struct cml_body_surfaces *surfaces)
     *surfaces = (struct cml_body_surfaces){0};
 }
 
+/* Returns the area of a facet of a body, cm2. A sphere has one facet; a cylinder has three: facet 0 is its
+ * side, the others are its ends. */
 double cml_body_facet_area(const struct cml_body_surface *surface, const struct cml_scene_body *body,
                            size_t facet)
 {

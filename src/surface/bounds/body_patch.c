@@ -60,6 +60,8 @@ static void add_cylinder(int body, const struct cml_convex *cylinder, const doub
         add_round(body, d, r, patch);
 }
 
+/* Adds a sphere or cylinder to what is known about the neighbourhood of a cell. A cell with a second body
+ * becomes mixed: packets there must ask the bodies themselves. Lengths are stored in widths of the cell. */
 void cml_patch_add_convex(int body, const struct cml_convex *convex, const double p[3], double cell,
                           struct cml_body_patch *patch)
 {
@@ -143,6 +145,8 @@ struct neighbour {
     double way[3], square;
 };
 
+/* Finds for each cell of a grid the next cell in its row, in the direction of x, that a surface may pass;
+ * n[0] if none follows. Packets skip the cells between. */
 void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *distance, int *next)
 {
     for (size_t row = 0; row < (size_t)n[2] * (size_t)n[1]; row++)

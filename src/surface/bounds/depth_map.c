@@ -250,6 +250,8 @@ static cml_status find_horizons(struct cml_depth_map *map, const float *steepest
     return cml_find_horizons(&pyramid, steepest, map->horizon[0], map->horizon[1], err);
 }
 
+/* Makes a map of the least and greatest depth of a mesh in square cells, by which most steps see that they
+ * stay clear of the mesh. Depths are widened by the rounding of the coordinates. */
 cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map,
                                  struct cml_error *err)
 {

@@ -317,6 +317,8 @@ bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
     return traverse_grid(&w, ray) != UNDECIDED;
 }
 
+/* True if the ray starts and ends inside the inner rectangle of the grid, by a margin for rounding. The
+ * search over cells then finds every crossing, because the plane outside the mesh is out of reach. */
 bool cml_grid_walk_covers(const struct cml_grid_mesh *grid, const struct cml_mesh_query *q)
 {
     const double err = err_cover_factor * (q->err_position + q->err_entry);

@@ -141,6 +141,9 @@ static bool clip_to_slabs(const struct cml_mesh_query *q, double *enter, double 
     return *enter <= *leave;
 }
 
+/* Finds where a ray enters and leaves the mesh's box. Later steps compute from the entry point, whose small
+ * numbers lose little in single precision. Also sets the bounds of rounding of the entry point and of
+ * products of lengths. */
 bool cml_query_clip_ray(struct cml_mesh_query *q, double *leave)
 {
     double enter = 0, size = 0;
@@ -157,6 +160,8 @@ bool cml_query_clip_ray(struct cml_mesh_query *q, double *leave)
     return true;
 }
 
+/* Sets the entry point of a ray for a search in single precision, without bounds of rounding. Returns false
+ * if the ray misses the mesh's box. */
 bool cml_query_enter(struct cml_mesh_query *q)
 {
     double leave;
@@ -166,6 +171,8 @@ bool cml_query_enter(struct cml_mesh_query *q)
     return true;
 }
 
+/* Sets the entry point of the whole line, ahead of the origin and behind it. *leave becomes the distance at
+ * which the line leaves the box. */
 bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
 {
     q->t_entry = -INFINITY;
@@ -175,6 +182,8 @@ bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
     return true;
 }
 
+/* Says whether (x, y) lies inside the mesh's border, outside, or within distance d of it, where rounding
+ * leaves the side open. The bounding box decides most points at once. */
 enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, double x, double y, double d)
 {
     const double *lower = q->centred->lower, *upper = q->centred->upper;
@@ -291,6 +300,8 @@ void cml_query_test_contact(struct cml_mesh_query *q, int primitive)
     if (fabs(plane[3] - cml_vec3_dot(q->origin, plane)) <= q->contact_distance) q->in_doubt = true;
 }
 
+/* Takes a crossing in the inside of a triangle as the best one if it is nearer than the best so far. weight:
+ * barycentric coordinates of the crossing. */
 void cml_query_add_inner_hit(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
                              const double weight[3])
 {

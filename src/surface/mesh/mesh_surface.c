@@ -493,6 +493,8 @@ cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, 
     return create(mesh, x0, y0, search, false, surface, err);
 }
 
+/* Makes the surface of a mesh that repeats over the plane. Queries count x and y from (x0, y0), hence the
+ * period's corner is moved there. */
 cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double y0,
                                         enum cml_mesh_search search, const struct cml_mesh_period *period,
                                         struct cml_mesh_surface **surface, struct cml_error *err)
@@ -504,6 +506,7 @@ cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double
     return CML_OK;
 }
 
+/* Frees a mesh surface with all its search structures; NULL is allowed. */
 void cml_mesh_surface_free(struct cml_mesh_surface *surface)
 {
     if (!surface) return;
@@ -534,6 +537,7 @@ size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t 
     return surface->period.n[0] ? (size_t)cml_tile_triangle(&surface->period, (int)primitive) : primitive;
 }
 
+/* Returns the area of the triangle of a primitive, cm2. */
 double cml_mesh_surface_area(const struct cml_mesh_surface *surface, size_t primitive)
 {
     const struct cml_mesh *mesh = &surface->centred.mesh;

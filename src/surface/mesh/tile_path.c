@@ -25,6 +25,8 @@ uint64_t cml_tile_primitives(const struct cml_mesh_period *period)
     return 2 * (uint64_t)period->n[0] * (uint64_t)period->n[1];
 }
 
+/* Returns the primitive of one period that a triangle of the patch repeats; -1 for a triangle of the skirt
+ * around the patch. Each cell has two triangles, and the patch has margins around the period. */
 int cml_tile_primitive(const struct cml_mesh_period *period, int triangle)
 {
     const int width = width_of(period), cell = triangle / 2, row = cell / width;
@@ -99,6 +101,8 @@ bool cml_tile_begin(const struct cml_mesh_period *period, const double p[3], con
     return true;
 }
 
+/* Goes to the next segment of a path that crosses several periods of a tile. The segments overlap a little,
+ * so that no crossing is lost between them. Returns false when the path is at its end. */
 bool cml_tile_next(struct cml_tile_path *path)
 {
     if (path->leaving < 0 || path->segments >= CML_TILE_MOST_SEGMENTS) return false;

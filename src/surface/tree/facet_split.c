@@ -122,6 +122,8 @@ static size_t part(struct cml_facet_box *box, size_t count, const struct cut *cu
     return low;
 }
 
+/* Divides facets into two groups for the two branches of a tree, where the expected cost of a search is
+ * least. If all boxes have one centre, the halves are equal. Returns the size of the first group. */
 size_t cml_facet_split(struct cml_facet_box *box, size_t count, size_t leaf)
 {
     struct cut best = {.cost = INFINITY};

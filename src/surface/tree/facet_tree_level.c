@@ -239,6 +239,8 @@ static void end(struct search *s)
     answer->re_enters = s->entering < s->t;
 }
 
+/* Finds the first facet that a ray meets. The answer names facets in doubt where single precision cannot
+ * decide. */
 static void ask(const struct cml_facet_tree *tree, const struct cml_tree_ray *ray,
                 struct cml_tree_answer *answer)
 {

@@ -42,6 +42,7 @@ struct cml_ring {
     real r, z, slope;
 };
 
+/* Returns ring i of a boundary made of cones: radius, depth, and slope dz/dr up to the next ring. */
 CML_FN struct cml_ring cml_ring_at(struct cml_rings rings, int i)
 {
     const struct cml_ring ring = {rings.r[i], rings.z[i], rings.slope[i]};

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Refuses a quantity that --aim cannot aim at. Only the first `length` letters of `aim` name it. */
 cml_status cml_aim_refuse(const struct cml_scene *scene, const char *aim, int length, const char *expected,
                           struct cml_error *err)
 {

@@ -30,6 +30,8 @@ static cml_status fail_write(const char *path, const char *reason, struct cml_er
     return cml_fail(err, CML_E_IO, "%s: cannot be written (%s)", path, reason);
 }
 
+/* Refuses to write through a symbolic link of another user, who could thus make this user overwrite own
+ * files. */
 cml_status cml_file_check_link(const char *path, struct cml_error *err)
 {
     struct stat about;
@@ -179,6 +181,7 @@ static cml_status create(const char *path, struct cml_file *file, struct cml_err
     return create_temporary(file, err);
 }
 
+/* Opens a new file under a temporary name, which cml_file_commit renames. */
 cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err)
 {
     *file = (struct cml_file){.sum = crc32(0, NULL, 0)};

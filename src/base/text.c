@@ -341,6 +341,8 @@ void cml_guess_offer(struct cml_guess *guess, const char *name)
     guess->distance = d;
 }
 
+/* Returns the name that the user probably meant, or NULL: the only name that begins with the word, or the
+ * nearest one if at most two letters differ. */
 const char *cml_guess_best(const struct cml_guess *guess)
 {
     if (guess->completions == 1) return guess->complete;

@@ -138,6 +138,7 @@ static cml_status choose_area(const struct cml_scene *scene, struct furnace *f, 
     return CML_OK;
 }
 
+/* Returns a beam of diffuse (Lambertian) light over the whole area of the furnace. */
 static struct cml_beam diffuse_beam(const struct furnace *f)
 {
     return (struct cml_beam){.shape = CML_BEAM_RECTANGLE,
@@ -254,6 +255,7 @@ static void judge_all(struct furnace *f, const struct cml_result *result)
 
 /* ---- output ---- */
 
+/* Orders places by how far they deviate from even light, the worst first; untested places come last. */
 static int compare_places(const void *left, const void *right)
 {
     const struct place *a = left, *b = right;

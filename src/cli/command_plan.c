@@ -134,6 +134,7 @@ static bool has_goal(const struct plan *plan, int engine, int goal)
     return goal != CML_PILOT_NAMED || plan->error_of;
 }
 
+/* Returns the name of a goal of the plan: that of --error-of, a total, or the expected value of Tt. */
 static const char *goal_name(const struct plan *plan, int goal)
 {
     if (goal == CML_PILOT_NAMED) return plan->error_of;
@@ -287,6 +288,7 @@ static cml_status print_json(const struct plan *plan, struct cml_error *err)
 
 /* ---- the command ---- */
 
+/* Prints the plan on rank 0, as JSON or for people. */
 static cml_status publish(const struct cml_options *options, const struct plan *plan, struct cml_error *err)
 {
     if (cml_cluster_rank() != 0) return CML_OK;

@@ -38,6 +38,8 @@ static double spacing_of_marks(const struct cml_scene *scene)
     return scene->map.volume ? fmin(bin, fmin(scene->map.dx, scene->map.dy)) : bin;
 }
 
+/* Returns how much one sampled interaction adds to A(z) of a row, as a share of the packet's weight. more:
+ * by how much the row's mua exceeds the flown one, 1/cm. */
 double cml_engine_row_share(const struct cml_medium_def *flown, double more)
 {
     const double mua = flown->mua + more;
@@ -192,6 +194,7 @@ cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uin
     return status;
 }
 
+/* Names how a packet has ended. */
 const char *cml_fate_name(int fate)
 {
     static const char *const names[CML_NUM_FATES] = {"alive",    "absorbed", "reflected", "transmitted",

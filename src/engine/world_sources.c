@@ -431,6 +431,7 @@ static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_wo
     return status;
 }
 
+/* Returns the medium in which the middle of a beam lies; 0 is the medium above, where most beams start. */
 int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam)
 {
     static const double none[3] = {0, 0, 0};

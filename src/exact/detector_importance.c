@@ -114,6 +114,7 @@ static void set_row(struct volumes *volumes, int ring, int piece, struct cml_see
     }
 }
 
+/* Returns the scalar product of two vectors of n numbers. */
 static double dot(const double *a, const double *b, int n)
 {
     double sum = 0;

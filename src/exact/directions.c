@@ -133,6 +133,8 @@ double cml_directions_cosine(const struct cml_directions *directions, int i, dou
     return refracted_cosine(directions->index[i], directions->cosine[i], n);
 }
 
+/* Describes which rows of a matrix between the first n directions are full: those of directions with weight.
+ * Directions without weight receive light only from themselves. */
 struct cml_dense_kind cml_directions_kind(const struct cml_directions *directions, int n)
 {
     int full = 0;

@@ -219,6 +219,7 @@ static bool estimate(const struct search *search, struct cml_exact *exact)
     return search->num_rough > 0 && most <= 2 * most_spread;
 }
 
+/* Returns the largest error among all totals and layers. */
 double cml_exact_worst(const struct cml_exact *exact)
 {
     double worst = 0;

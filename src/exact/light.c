@@ -92,6 +92,7 @@ static int sample_beam(const struct cml_beam *beam, double n, double share, stru
     return count;
 }
 
+/* Orders rays by falling cosine, the steepest first. */
 static int compare_rays(const void *a, const void *b)
 {
     const double x = ((const struct cml_exact_ray *)a)->cosine, y = ((const struct cml_exact_ray *)b)->cosine;
@@ -112,6 +113,7 @@ static bool comes_from_above(const struct cml_scene *scene, double top, int k)
                              beam->angle + widest <= CML_PI / 2 + rounding);
 }
 
+/* True if all beams start above all layers. */
 static bool all_come_from_above(const struct cml_scene *scene, double top)
 {
     int k = 0;
@@ -179,6 +181,7 @@ void cml_exact_light_clear(struct cml_exact_light *light)
     *light = (struct cml_exact_light){0};
 }
 
+/* Returns the share of the light that comes in exactly vertically. Such beams stand first in the list. */
 double cml_exact_light_normal(const struct cml_exact_light *light)
 {
     double share = 0;

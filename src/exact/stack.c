@@ -41,6 +41,8 @@ struct stack {
     double *share;       /* [num_blocks][most + BLOCK_LAYERS][most] shares of all blocks */
 };
 
+/* Returns Fresnel's reflectance of unpolarised light between indices n1 and n2; c1 and c2 are the cosines on
+ * both sides. A cosine of 0 means total reflection. */
 double cml_stack_fresnel(double n1, double c1, double n2, double c2)
 {
     if (!(c1 > 0 && c2 > 0)) return 1;

@@ -266,6 +266,7 @@ static bool search_own(const struct search *search, struct node node)
     return search_two(search, left, right) || search_own(search, left) || search_own(search, right);
 }
 
+/* Calls `pair` for every two triangles of two meshes whose boxes touch, until `pair` returns true. */
 bool cml_boxtree_pairs(const struct cml_boxtree *a, const struct cml_boxtree *b, cml_boxtree_pair *pair,
                        void *context)
 {
@@ -301,6 +302,7 @@ static void search_touching(const struct touching *touching, struct node node)
     search_touching(touching, right_of(node));
 }
 
+/* Calls `visit` for every box of the tree that touches the given box. */
 void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
                           cml_boxtree_visit *visit, void *context)
 {
@@ -460,6 +462,8 @@ static void search_around(struct around *around, struct node node)
     search_around(around, left_first ? right : left);
 }
 
+/* Finds the first box after number i that encloses box i and that `accept` takes: the smallest one if the
+ * boxes are sorted by size. Returns n if there is none. */
 uint32_t cml_boxtree_first_around(const struct cml_boxtree *tree, uint32_t i, cml_boxtree_accept *accept,
                                   void *context)
 {

@@ -133,6 +133,8 @@ static int orient2d_filter(const double a[2], const double b[2], const double c[
     return sign_of(det);
 }
 
+/* Returns the sign of cml_orient2d if floating point decides it surely, otherwise 0, without the slow exact
+ * sums. */
 int cml_orient2d_fast(const double a[2], const double b[2], const double c[2])
 {
     int sure;
@@ -140,6 +142,8 @@ int cml_orient2d_fast(const double a[2], const double b[2], const double c[2])
     return sure ? sign : 0;
 }
 
+/* Returns +1 if a, b, c turn counter-clockwise, -1 if clockwise, 0 if they lie on a line. Exact: exact sums
+ * decide where floating point cannot. */
 int cml_orient2d(const double a[2], const double b[2], const double c[2])
 {
     int sure;

@@ -290,6 +290,8 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     return cml_mci_numbers(reader, owner, CML_KEY_PARTS({CML_KEYS_MEDIUM, medium}, {CML_KEYS_LAYER, medium}));
 }
 
+/* Reads the layers of a run from the top: the medium above, each layer with its boundary and bodies, the
+ * medium below. */
 static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     CML_TRY(allocate_layers(reader, scene));

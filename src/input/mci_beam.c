@@ -234,6 +234,7 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 
 static const double degree = CML_PI / 180;
 
+/* Refuses a value of beam k, with the line of the beam. */
 static cml_status fail_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                             const char *field, const char *value, const char *expected)
 {

@@ -83,6 +83,7 @@ struct mesh_line {
     struct cml_rough_def *rough;
 };
 
+/* Stores an option of a body's mesh that needs its own code: roughness or unit of length. */
 static cml_status set_mesh_option(struct cml_mci_line *line)
 {
     struct mesh_line *mesh = line->context;

@@ -21,6 +21,7 @@ void cml_mci_close(struct cml_mci_reader *reader)
     *reader = (struct cml_mci_reader){0};
 }
 
+/* Forgets the lines kept so far: a new run begins. */
 void cml_mci_forget(struct cml_mci_reader *reader)
 {
     reader->kept_size = 0;
@@ -37,6 +38,8 @@ char *cml_mci_take_kept(struct cml_mci_reader *reader)
     return kept;
 }
 
+/* Returns the place in a line where a word begins with `key`, or NULL. A match inside another word does not
+ * count. */
 char *cml_mci_find_word(char *line, const char *key)
 {
     char *found = strstr(line, key);
@@ -100,6 +103,8 @@ const struct cml_mci_keyword cml_mci_keywords[CML_MCI_KEYWORDS] = {
     [CML_MCI_DETECTOR] = {"detector", OF_RUN("detector"), "disk ring rectangle map"},
     [CML_MCI_PHOTONS] = {"photons", OF_RUN("photons"), "\""}};
 
+/* Returns the keyword that a line's first word resembles, for a hint in messages; NULL if it resembles none,
+ * or is a number. */
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
 {
     struct cml_guess guess = {.word = reader->cursor, .length = strcspn(reader->cursor, blanks)};
@@ -212,6 +217,7 @@ void cml_mci_note(const struct cml_mci_reader *reader, int line, const char *for
     options->on_note(options->context, text);
 }
 
+/* Refuses a word as the value of a key and tells the range of the key. */
 cml_status cml_mci_fail_key(const struct cml_mci_reader *reader, const char *owner, const struct cml_key *key,
                             const char *word)
 {

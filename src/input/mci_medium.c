@@ -62,6 +62,7 @@ static cml_status read_rows(struct cml_mci_reader *rows, void *context)
     return cml_text_copy(rows->text.path, &phase->file, rows->err);
 }
 
+/* Returns the group of keys of a phase function; CML_KEYS_NONE for none, or one without parameters. */
 enum cml_key_group cml_mci_phase_keys(const struct cml_phase *phase)
 {
     static const enum cml_key_group keys[CML_PHASE_KINDS] = {CML_KEYS_HG2, CML_KEYS_MHG, CML_KEYS_GK};
@@ -238,6 +239,7 @@ cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def
 
 static const char *const rough_names[] = {"ggx", "beckmann"};
 
+/* Sets the distribution of slopes by its name; false if the name is unknown. */
 static bool set_rough_kind(const char *name, struct cml_rough_def *rough)
 {
     const int which = name ? cml_mci_choose(name, rough_names, 2) : -1;

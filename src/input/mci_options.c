@@ -16,6 +16,7 @@ cml_status cml_mci_fail_value(const struct cml_mci_line *line, const char *expec
     return cml_mci_fail_option(line, line->key->name, line->value, expected);
 }
 
+/* Returns the value that the line gave for an option, or NULL if it did not. */
 const char *cml_mci_saw(const struct cml_mci_line *line, const char *name)
 {
     for (int i = 0; i < line->num_seen; i++)

@@ -298,6 +298,8 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
     return CML_OK;
 }
 
+/* Returns the number of the layer that a setting such as layer2.mua or epidermis.mua names; 0 if it names
+ * none. */
 int cml_mci_layer_of(const struct cml_scene *scene, const char *text)
 {
     struct name name;

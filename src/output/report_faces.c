@@ -186,6 +186,7 @@ cml_status cml_report_body_faces(const struct cml_report *report, struct cml_bod
     return status;
 }
 
+/* Frees a drawing of bodies. */
 void cml_report_body_faces_free(struct cml_body_faces *drawn)
 {
     free(drawn->faces.point);

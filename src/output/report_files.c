@@ -284,6 +284,7 @@ static cml_status write_next(void *context, const struct cml_report_file *file, 
     return write_file(report, file, *name, err);
 }
 
+/* Computes the outcome of a run and writes all its files; report->files lists them. */
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
     const struct cml_report_asks asks = asks_of(&report->sums->grid);

@@ -81,6 +81,7 @@ static void set_keys(json_t *object, enum cml_key_group group, const void *base)
     }
 }
 
+/* Returns a new JSON object with all keys of a group and their values in the struct `base`. */
 static json_t *keys_json(enum cml_key_group group, const void *base)
 {
     json_t *object = json_object();

@@ -200,6 +200,8 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
     return status;
 }
 
+/* Fills in the derivatives of the totals. Each medium has two scores, for mua and for mus, hence score / 2
+ * and score % 2. */
 static cml_status fill_derivatives(const struct cml_report *report, struct cml_outcome *o,
                                    struct cml_error *err)
 {
@@ -230,6 +232,7 @@ static cml_status fill(struct cml_report *report, struct cml_error *err)
     return fill_derivatives(report, o, err);
 }
 
+/* Computes everything that an .mco and .h5 of the run contain, except for fields. */
 cml_status cml_report_outcome(struct cml_report *report, struct cml_error *err)
 {
     report->outcome = (struct cml_outcome){0};
@@ -254,6 +257,7 @@ static void print_medium(FILE *stream, const struct cml_outcome *o, int k)
     fputs(" cm\n", stream);
 }
 
+/* Prints the derivatives of Rd and Tt with respect to mua and mus of each medium. */
 void cml_report_print_derivatives(FILE *stream, const struct cml_report *report)
 {
     enum { MOST = 16 }; /* the files have all media */

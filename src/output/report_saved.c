@@ -131,6 +131,7 @@ cml_status cml_report_write_saved(struct cml_report *report, const char *path, s
     return write(report, path, &kept, indices, err);
 }
 
+/* Makes the name of the file of saved packets: NAME.photons.h5 in the folder of the result. */
 cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path, char **result,
                                  struct cml_error *err)
 {
@@ -139,6 +140,8 @@ cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path
     return cml_text_format(result, "a path", err, "%.*s%s.photons.h5", folder, path, scene->saved.name);
 }
 
+/* Returns the bytes that a file of saved packets takes at most. Each packet has an index (8 bytes) and its
+ * properties: 8 bytes for whole numbers, 4 for others, once or once for each medium. */
 double cml_saved_file_bytes(const struct cml_saved_kind *kind)
 {
     double row = sizeof(double);

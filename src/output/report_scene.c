@@ -31,6 +31,7 @@ static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader re
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
 }
 
+/* Returns the word for a kind of backing. */
 const char *cml_backing_word(enum cml_backing_kind kind)
 {
     static const char *const words[] = {"", "mirror", "lambertian", "metal"};
@@ -192,12 +193,14 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
     report_bodies(stream, prefix, scene, &surfaces->bodies, reader);
 }
 
+/* Returns the word for a kind of light in a beam's line. */
 const char *cml_light_word(enum cml_light_kind kind)
 {
     static const char *const words[] = {"parallel", "na", "lambertian", "isotropic", "table"};
     return words[kind];
 }
 
+/* Prints the angular distribution of a beam's light. Nothing for parallel light, the usual case. */
 static void report_light(FILE *stream, const struct cml_light *light)
 {
     if (light->kind == CML_LIGHT_OF_PARALLEL) return;
@@ -206,6 +209,7 @@ static void report_light(FILE *stream, const struct cml_light *light)
     if (light->kind == CML_LIGHT_OF_NA) fprintf(stream, ":%g", light->na);
 }
 
+/* Returns the word for a beam's shape. */
 const char *cml_beam_word(enum cml_beam_shape kind)
 {
     static const char *const words[] = {"pencil", "disk", "gaussian", "ring", "rectangle", "image"};
@@ -249,12 +253,14 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *s
     fputc('\n', stream);
 }
 
+/* Prints a line for each beam that the file gives; MCML's own pencil beam needs no line. */
 void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene, const int *starts)
 {
     for (int k = 0; k < scene->num_beams; k++)
         if (scene->beams[k].given) cml_report_beam(stream, prefix, scene, k, starts);
 }
 
+/* Returns the word for a detector's shape. A ring with inner radius 0 is called a disk. */
 const char *cml_detector_word(const struct cml_detector_def *detector)
 {
     static const char *const words[] = {"ring", "rectangle", "map"};

@@ -79,6 +79,7 @@ static void add_part(struct fields *f, const struct cml_outcome *o, enum cml_qua
     errors->context = o->error[quantity] + first;
 }
 
+/* True if a field of this name is in the list already. */
 static bool has_field(const struct fields *f, const char *name)
 {
     for (int i = 0; i < f->count; i++)

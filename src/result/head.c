@@ -39,6 +39,7 @@ static char *next_line(struct reader *r)
     return line;
 }
 
+/* Reads the next word of a line as a whole number above 0; false if there is none. */
 static bool next_count(char **line, uint64_t *count)
 {
     const char *word = *line ? cml_text_word(line) : NULL;
@@ -117,6 +118,7 @@ static bool is_whole(struct reader *r)
     return behind[strspn(behind, " \t\r\n")] == '\0';
 }
 
+/* True if a file has no control characters besides tabs and ends of lines; a binary file would have some. */
 static bool is_text(const struct cml_text *text)
 {
     for (size_t i = 0; i < text->size; i++)

@@ -48,6 +48,7 @@ struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double firs
     return (struct cml_axis){axes[kind].name, axes[kind].long_name, axes[kind].units, n, first, step, NULL};
 }
 
+/* True if a name has this ending. */
 static bool ends_in(const char *name, const char *ending)
 {
     const size_t length = strlen(name), size = strlen(ending);
@@ -71,6 +72,7 @@ const char *cml_quantity_ending(const char *name)
     return NULL;
 }
 
+/* Names a field after its quantity. */
 void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity)
 {
     snprintf(field->name, sizeof field->name, "%s", cml_quantities[quantity].name);

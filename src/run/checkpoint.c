@@ -147,6 +147,7 @@ void cml_checkpoint_remove_older(const char *path)
     free(old);
 }
 
+/* Writes the checkpoint of a finished run and removes the older one, which is of no more use. */
 cml_status cml_checkpoint_finish(const char *path, const char *identity, const struct cml_run_state *state,
                                  const struct cml_record *record, struct cml_result *result,
                                  struct cml_error *err)
@@ -284,6 +285,7 @@ static bool is_part(struct cml_part part)
     return part.count == 0 ? part.number == 0 : part.number >= 1 && part.number <= part.count;
 }
 
+/* Orders ranges of photons by their first photon. */
 static int compare_ranges(const void *a, const void *b)
 {
     const uint64_t one = ((const struct cml_range *)a)->first, other = ((const struct cml_range *)b)->first;
@@ -503,6 +505,7 @@ cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_
     return status == CML_E_IO ? CML_E_INPUT : status;
 }
 
+/* Returns what the head of a checkpoint says: finished or not, with sums or not, the round, and the part. */
 static struct cml_checkpoint_about about_of(const struct head *head)
 {
     return (struct cml_checkpoint_about){head->finished ? CML_CHECKPOINT_FINISHED : CML_CHECKPOINT_PARTIAL,

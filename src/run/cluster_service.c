@@ -33,6 +33,7 @@ static struct {
     void *handler_context;
 } service = {.handler_lock = PTHREAD_MUTEX_INITIALIZER};
 
+/* Sleeps for some seconds, which leaves the core to other threads. */
 void cml_cluster_sleep(double seconds)
 {
     const struct timespec t = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
@@ -41,6 +42,7 @@ void cml_cluster_sleep(double seconds)
 
 /* ---- waiting ---- */
 
+/* Makes an error message from an error code of MPI. */
 static cml_status fail_mpi(int code, struct cml_error *err)
 {
     char text[MPI_MAX_ERROR_STRING] = "";
@@ -263,6 +265,8 @@ static bool all_requested(void)
     return atomic_load(&service.syncs_requested) / 2 > atomic_load(&service.syncs_done);
 }
 
+/* Asks all ranks to meet and then to stop. An odd number of a meeting means a stop. A rank that works alone
+ * sets its own flag, bit 1 (value 2). */
 void cml_cluster_request_stop(void)
 {
     if (atomic_load(&cml_ranks.alone))
@@ -271,12 +275,15 @@ void cml_cluster_request_stop(void)
         raise_requested(2 * (atomic_load(&service.syncs_done) + 1) + 1);
 }
 
+/* True if a stop was requested: by the flag of a rank that works alone, or by an odd number of the next
+ * meeting. */
 bool cml_cluster_stop_requested(void)
 {
     if (atomic_load(&cml_ranks.alone)) return atomic_load(&cml_ranks.alone_sync) & 2;
     return all_requested() && atomic_load(&service.syncs_requested) % 2 == 1;
 }
 
+/* Begins or ends a stretch in which this rank works by itself, as if it were the only one. */
 void cml_cluster_alone(bool alone)
 {
     atomic_store(&cml_ranks.alone, alone);

@@ -12,6 +12,7 @@ static enum cml_run_intent intent_of(const struct cml_run_findings *found)
     return found->tallies ? CML_RUN_REPUBLISH : CML_RUN_FRESH;
 }
 
+/* Decides what a run does about the files it finds: extend, continue, begin anew, or refuse. */
 enum cml_run_intent cml_run_intent_of(const struct cml_run_findings *found)
 {
     if (found->extends) return CML_RUN_EXTEND;

@@ -37,12 +37,15 @@ static void remember(int signal)
     if (!atomic_compare_exchange_strong(&requested, &first, now) && now - first > 1000) _exit(128 + signal);
 }
 
+/* Lets writing to a closed pipe or beyond a limit of file sizes fail with an error, instead of killing the
+ * process. */
 void cml_stop_ignore(void)
 {
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 }
 
+/* Ends the process silently, as is usual for a program whose pipe has no reader. */
 void cml_stop_without_reader(void)
 {
     signal(SIGPIPE, SIG_DFL);

@@ -46,6 +46,8 @@ static void set_range(struct shape *shape, const double *height, size_t count, d
     }
 }
 
+/* Makes the shape that represents a radial heightfield in the search for overlaps. z: the boundary's nominal
+ * depth, cm. */
 static void make_field(struct shape *shape, const struct cml_radial *radial, double z)
 {
     shape->field = (struct cml_radial_surface){radial, z};
@@ -114,6 +116,7 @@ static int line_of(const struct shape *upper, const struct shape *lower)
 
 static const char apart[] = "(expected boundaries that neither cross nor touch)";
 
+/* Refuses two boundaries that touch at a point. */
 static cml_status fail_touch(const struct cml_scene *scene, const struct shape *upper,
                              const struct shape *lower, const double at[3], struct cml_error *err)
 {

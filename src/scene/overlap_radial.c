@@ -31,6 +31,8 @@ static void compare_at_radius(const struct cml_radial_surface *upper, const stru
     keep_closest(closest, r, 0.0, upper->z - above, lower->z - below, size);
 }
 
+/* Finds where two radial heightfields come closest. Both are straight between their samples, so one of their
+ * radii has the smallest gap. */
 void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                                struct cml_closest *closest)
 {

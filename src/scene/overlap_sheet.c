@@ -194,6 +194,8 @@ static struct cml_column column_through(const struct cml_sheet *sheet, const dou
     return column;
 }
 
+/* True if a point lies below a sheet or inside a closed mesh. Above a point inside, the vertical line meets
+ * an odd number of triangles; in a union, whose parts may overlap, the winding number decides. */
 bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3])
 {
     const struct cml_column column = column_through(sheet, point);
@@ -277,6 +279,7 @@ static void compare_surfaces(const struct cml_sheet *a, const struct cml_sheet *
     compare_with_plane(b, a, false, overlap);
 }
 
+/* Finds where two meshes cross or touch. Which lies above the other does not matter. */
 void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
                        struct cml_sheet_overlap *overlap)
 {

@@ -9,12 +9,15 @@
 #include <string.h>
 #include <zlib.h>
 
+/* Returns the word for a kind of phase function in the .mci. */
 const char *cml_phase_name(enum cml_phase_kind kind)
 {
     static const char *const names[CML_PHASE_KINDS] = {"hg2", "mhg", "gk", "rayleigh", "table"};
     return names[kind];
 }
 
+/* Returns the names of the parameters of a kind of phase function, ended by NULL. Rayleigh scattering and
+ * tables have none. */
 const char *const *cml_phase_numbers(enum cml_phase_kind kind)
 {
     static const char *const names[CML_PHASE_KINDS][CML_PHASE_NUMBERS + 1] = {
@@ -51,6 +54,8 @@ static int row_of(const struct cml_phase *phase, double deflection)
     return (int)cml_last_not_above(phase->deflection, (size_t)phase->rows - 1, deflection);
 }
 
+/* Returns the density of a tabulated phase function at a deflection 1 - cos(theta), interpolated between
+ * rows. */
 static double table_density(const struct cml_phase *phase, double deflection)
 {
     const int i = row_of(phase, deflection);
@@ -58,6 +63,8 @@ static double table_density(const struct cml_phase *phase, double deflection)
     return p[0] + (p[1] - p[0]) * (deflection - x[0]) / (x[1] - x[0]);
 }
 
+/* Returns the probability that light of a tabulated phase function is deflected by less than `deflection`:
+ * the sum up to the row before, and a trapezium from there. */
 static double table_below(const struct cml_phase *phase, double deflection)
 {
     const int i = row_of(phase, deflection);
@@ -115,6 +122,7 @@ static double gk_scale(double a, double all)
     return a == 0 ? 1 / all : -a / expm1(-a * all);
 }
 
+/* Returns the density of the Gegenbauer kernel phase function at the deflection x = 1 - cos(theta). */
 static double gk_density(double g, double a, double x)
 {
     if (g == 0) return 0.5;

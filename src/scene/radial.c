@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* True if all heights of a radial heightfield are equal, so that it is a plane. */
 bool cml_radial_is_flat(const struct cml_radial *radial)
 {
     for (int i = 1; i < radial->n; i++)
@@ -14,6 +15,7 @@ bool cml_radial_is_flat(const struct cml_radial *radial)
     return true;
 }
 
+/* Frees a radial heightfield. */
 void cml_radial_clear(struct cml_radial *radial)
 {
     free(radial->r);

@@ -59,6 +59,7 @@ static void clear_bodies(struct cml_scene *scene)
     free(scene->bodies);
 }
 
+/* Frees a beam's table and image when their last user goes. */
 static void clear_beam(struct cml_beam *beam)
 {
     if (!cml_share_end(beam->users)) return;
@@ -193,6 +194,7 @@ static int first_body_from(const struct cml_scene *scene, int l)
     return low;
 }
 
+/* True if any beam starts at a depth of its own inside the scene. */
 bool cml_scene_starts_inside(const struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_beams; k++)
@@ -210,6 +212,8 @@ double cml_beam_descent(const struct cml_beam *beam)
     return beam->angle == CML_PI / 2 ? 0 : cos(beam->angle);
 }
 
+/* Returns how far the rim of a slanted beam lies above and below its middle, cm. reach: the radius or half
+ * width of each shape; of a Gaussian five radii, beyond which few packets start. */
 double cml_beam_height(const struct cml_beam *beam)
 {
     const double reach[] = {
@@ -217,6 +221,8 @@ double cml_beam_height(const struct cml_beam *beam)
     return reach[beam->shape] * fabs(sin(beam->angle));
 }
 
+/* Finds which axis of the scene (0: x, 1: y) a beam's own x and y run along. False if the beam is turned by
+ * anything but quarter turns. */
 bool cml_beam_axes(const struct cml_beam *beam, int axis[2])
 {
     const double quarters = beam->azimuth / (CML_PI / 2), whole = round(quarters);
@@ -230,6 +236,7 @@ struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l)
     return (struct cml_body_range){first_body_from(scene, l), first_body_from(scene, l + 1)};
 }
 
+/* True if any body lies in layer l. */
 bool cml_layer_has_bodies(const struct cml_scene *scene, int l)
 {
     const struct cml_body_range range = cml_layer_bodies(scene, l);
@@ -268,6 +275,7 @@ double cml_light_spread(const struct cml_light *light, double medium_n)
            (t[last + 1] - t[last]) * (intensity[last] - half) / (intensity[last] - intensity[last + 1]);
 }
 
+/* Returns the depth of the plane in which a boundary continues beyond its shape, cm. */
 double cml_outer_depth(const struct cml_boundary *boundary)
 {
     if (boundary->form == CML_FORM_RADIAL) return boundary->z - boundary->radial.h[boundary->radial.n - 1];

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Returns the word for how a surface is represented. */
 const char *cml_surface_kind_name(enum cml_surface_kind kind)
 {
     static const char *const names[] = {"plane", "cone", "mesh", "auto", "sphere", "cylinder"};
@@ -383,6 +384,7 @@ void cml_surface_clear(struct cml_surface_def *def)
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
 }
 
+/* Frees all surfaces of a scene. */
 void cml_surfaces_free(struct cml_surface_set *set)
 {
     for (int b = 0; set->item && b < set->count; b++) cml_surface_clear(&set->item[b]);

@@ -22,6 +22,8 @@ static double bias_per_deviation(const struct cml_tessellation *tessellation)
 #define RING_NS 0.02
 #define MESH_NS 436.0
 
+/* Returns how finely a radial heightfield becomes a mesh: the deviation that keeps the relative bias within
+ * --tolerance. */
 struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options *options)
 {
     struct cml_tessellation tessellation = options->tessellation;

@@ -140,6 +140,8 @@ static void add_to_batch(struct cml_result *result, int batch, const struct cml_
     add_expected(result, b, sums + at->expected);
 }
 
+/* Adds the totals and profiles of one batch to the result, and those of packets that ended after their batch
+ * to the batches they belong to. */
 void cml_result_add_batch(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
     const struct cml_late *late = &tally->late;
@@ -232,6 +234,7 @@ uint64_t cml_batch_size(uint64_t photons, int batch)
 
 /* ---- weight balance ---- */
 
+/* Returns the sum of n neighbouring cells. */
 static cml_u128 sum_of(const cml_u128 *cells, size_t n)
 {
     cml_u128 sum = 0;
@@ -337,12 +340,15 @@ double cml_result_absorbed_error(const struct cml_result *result, int medium)
 const enum cml_total cml_goals[CML_NUM_GOALS] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED,
                                                  CML_TOTAL_TRANSMITTED};
 
+/* Returns the relative standard error of a total; infinite while the total or its error is 0. */
 double cml_result_relative_error(const struct cml_result *result, enum cml_total total)
 {
     const double value = cml_result_total(result, total), error = cml_result_error(result, total);
     return value > 0 && error > 0 ? error / value : INFINITY;
 }
 
+/* Returns how many times as many photons would reach the relative error `error`, since errors fall with the
+ * square root of the photons. */
 double cml_result_times_to(const struct cml_result *result, enum cml_total total, double error)
 {
     const double times = cml_result_relative_error(result, total) / error;
@@ -357,6 +363,7 @@ double cml_result_square_error(const struct cml_result *result, cml_u128 sum, cm
     return error_of_mean(n, (long double)sum * per_square_unit, (long double)squares) * CML_SQUARE_UNIT;
 }
 
+/* Returns the sum of bin i of a profile over all batches; `profile` has n bins for each batch. */
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i)
 {
     cml_u128 sum = 0;
@@ -390,6 +397,7 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
     return error_by_groups(result, CML_NUM_BATCHES, profile + i, (size_t)n);
 }
 
+/* Returns the sum of cell i of an array over all its copies, in units of weight. */
 double cml_result_sum(const struct cml_result *result, enum cml_array array, size_t i)
 {
     const size_t step = result->layout.once[array].step;
@@ -409,6 +417,7 @@ double cml_result_sum_error(const struct cml_result *result, enum cml_array arra
     return error_by_groups(result, parts, cell, once.step);
 }
 
+/* Returns the sum of a cell over its copies in groups, which lie `step` cells apart. */
 double cml_result_cell_sum(const cml_u128 *cell, int groups, size_t step)
 {
     cml_u128 sum = 0;
@@ -421,6 +430,7 @@ double cml_result_cell_error(const struct cml_result *result, const cml_u128 *ce
     return error_by_groups(result, CML_NUM_GROUPS, cell, step);
 }
 
+/* Returns the sum of `count` neighbouring cells over all groups. */
 double cml_result_once_sum(const cml_u128 *cells, size_t count, struct cml_once once)
 {
     cml_u128 sum = 0;
@@ -449,6 +459,7 @@ uint64_t cml_result_lost(const struct cml_result *result)
     return (uint64_t)lost;
 }
 
+/* Returns the number of interactions and boundary events of all packets, a measure of the work done. */
 double cml_result_steps(const struct cml_result *result)
 {
     const cml_u128 *count = result->summary.count;

@@ -39,6 +39,7 @@ static size_t capacity_of(const struct cml_saved_kind *kind)
     return kind->limit + kind->limit / 4 + 1024;
 }
 
+/* Returns the memory of saved packets in bytes: a row and a sort key for each packet. */
 double cml_saved_bytes(const struct cml_saved_kind *kind)
 {
     return kind->limit
@@ -208,6 +209,7 @@ void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count)
     }
 }
 
+/* True if a run of so many photons can contain a packet of this index; the upper bits name the beam. */
 bool cml_saved_may_have(const struct cml_saved *saved, uint64_t index, uint64_t photons)
 {
     const uint64_t beam = index >> CML_SOURCE_SHIFT;
@@ -271,6 +273,7 @@ cml_status cml_saved_part_create(const struct cml_saved_kind *kind, struct cml_s
     return CML_OK;
 }
 
+/* Passes the rows that a thread has collected to the receiver and empties the thread's buffer. */
 void cml_saved_hand_in(struct cml_saved_part *part)
 {
     if (!part) return;
@@ -278,6 +281,7 @@ void cml_saved_hand_in(struct cml_saved_part *part)
     part->count = 0;
 }
 
+/* Returns the next free row of a thread's buffer; a full buffer is passed on first. */
 struct cml_saved_row *cml_saved_next(struct cml_saved_part *part)
 {
     if (part->count == part->capacity) cml_saved_hand_in(part);

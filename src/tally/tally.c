@@ -31,6 +31,7 @@ struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid
     return small;
 }
 
+/* True if a thread's own tally lacks large arrays (A_rz or fluence), which all threads then share. */
 bool cml_tally_grid_is_shared(const struct cml_tally_grid *grid)
 {
     const struct cml_tally_grid small = cml_tally_grid_of_thread(grid);
@@ -218,6 +219,7 @@ static void add_columns(const uint64_t *cells, size_t rows, size_t columns, uint
         for (size_t j = 0; j < columns; j++) sums[j] += cells[i * columns + j];
 }
 
+/* Adds each row of a matrix to its own sum: sums[i] grows by the sum of row i. */
 static void add_rows(const uint64_t *cells, size_t rows, size_t columns, uint64_t *restrict sums)
 {
     for (size_t i = 0; i < rows; i++)

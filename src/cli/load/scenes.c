@@ -232,6 +232,7 @@ cml_status cml_choose_surfaces(const struct cml_options *options, const struct c
     return status;
 }
 
+/* Makes the path of an output: `name` in the folder of -o, unless the name is absolute. */
 cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
                            struct cml_error *err)
 {
@@ -291,6 +292,7 @@ static struct memory memory_of(const struct cml_options *options, const struct c
     return memory;
 }
 
+/* Returns the most memory that a run will hold, in bytes. */
 double cml_most_memory(const struct cml_options *options, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces)
 {

@@ -178,6 +178,7 @@ static void print_command(FILE *stream, enum cml_command which)
         fprintf(stream, "  %.*s\n", (int)strcspn(line, "\n"), line);
 }
 
+/* Prints an option with its commands, then what the manual says about it. */
 static void print_one_option(FILE *stream, const struct cml_option *option)
 {
     char typed[48];

@@ -28,6 +28,7 @@ static void print_line(FILE *stream, const char *line)
     fprintf(stream, "%.*s\n", (int)strcspn(line, "\n"), line);
 }
 
+/* Returns the manual's page of this name or keyword; NULL if there is none. */
 const struct cml_manual_page *cml_manual_find(const char *name)
 {
     for (const struct cml_manual_page *page = cml_manual; page->name; page++)

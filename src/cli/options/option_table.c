@@ -206,6 +206,7 @@ void cml_option_commands(const struct cml_option *option, char *text, size_t siz
                 (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", cml_commands[i].name);
 }
 
+/* Returns the name of the option that was probably meant; NULL if no name is similar. */
 const char *cml_option_guess(const char *name, size_t length)
 {
     struct cml_guess guess = {.word = name, .length = length};

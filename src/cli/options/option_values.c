@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Refuses the value of an option, with a hint if it looks like a number in another notation. */
 static cml_status fail(struct cml_error *err, const struct cml_option *option, const char *value,
                        const char *expected)
 {
@@ -32,6 +33,7 @@ static cml_status set(const struct cml_option *option, int number, struct cml_op
     return CML_OK;
 }
 
+/* Sets an option that takes no value. */
 cml_status cml_read_flag(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -39,6 +41,7 @@ cml_status cml_read_flag(const struct cml_option *option, const char *value, str
     return set(option, (int)option->least, options);
 }
 
+/* Keeps an option's value as text. The text lives in argv, so it need not be copied. */
 cml_status cml_read_text(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -82,6 +85,7 @@ cml_status cml_read_int(const struct cml_option *option, const char *value, stru
     return set(option, (int)number, options);
 }
 
+/* Reads a number in the option's range. option->words describes the range for the message. */
 cml_status cml_read_number(const struct cml_option *option, const char *value, struct cml_options *options,
                            struct cml_error *err)
 {
@@ -188,6 +192,7 @@ cml_status cml_read_error_of(const struct cml_option *option, const char *value,
     return CML_OK;
 }
 
+/* Reads --checkpoint: an interval in seconds, or "off", which counts as 0. */
 cml_status cml_read_checkpoint(const struct cml_option *option, const char *value,
                                struct cml_options *options, struct cml_error *err)
 {

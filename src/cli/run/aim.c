@@ -169,6 +169,8 @@ static cml_status create_of(const char *aim, const struct cml_scene *scene,
     return status;
 }
 
+/* Makes what --aim needs: a table of the flat tail for light below the uneven part of the scene, and weight
+ * windows for other aims. */
 cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
                           const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
 {
@@ -199,6 +201,7 @@ cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_s
     return create_for(options, scene, surfaces, true, to, err);
 }
 
+/* Lets an engine use the aim: its table of the tail, its windows, whichever it has. */
 void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options)
 {
     if (aim->tail.scores > 0) options->tail = &aim->tail;

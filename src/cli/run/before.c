@@ -17,6 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* True if a checkpoint, or its older version, exists. */
 bool cml_has_checkpoint(const char *path)
 {
     char older[PATH_MAX];
@@ -240,6 +241,7 @@ static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind,
     cml_show_note(NULL, text);
 }
 
+/* Notes that the file of a part exists and will be replaced, since --resume was not given. */
 static void note_old_part(const char *path)
 {
     char text[512];

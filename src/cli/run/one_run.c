@@ -41,6 +41,7 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
     return status == CML_E_NUMERIC ? CML_OK : status;
 }
 
+/* Prints the summary of a run for people, and the names of its files. */
 static void print_summary(const struct cml_options *options, const struct cml_report *report)
 {
     cml_report_summary(stdout, report);
@@ -121,6 +122,7 @@ static cml_status take_record(const struct cml_run_call *call, const struct cml_
     return cml_report_record_again(call->scene, path, before, record, err);
 }
 
+/* Prints the name of one output file. */
 static cml_status print_path(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     (void)context;
@@ -197,6 +199,7 @@ struct poor_rows {
 #define LEAST_PACKETS 100
 enum { POOR_A_Z = CML_NUM_GOALS, NUM_POOR };
 
+/* Counts the rows that too few effective packets reached, and keeps the worst of them. */
 static void add_poor(double packets, int row, struct poor_rows *poor)
 {
     if (packets >= LEAST_PACKETS || (poor->count++ > 0 && packets >= poor->packets)) return;
@@ -354,6 +357,7 @@ bool cml_run_leaves_checkpoints(const struct cml_options *options)
     return options->resume || options->keep || options->parts > 0;
 }
 
+/* Makes the path of the checkpoint of a scene's run. */
 cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,
                               struct cml_error *err)
 {
@@ -362,6 +366,7 @@ cml_status cml_run_checkpoint(const struct cml_options *options, const struct cm
     return cml_checkpoint_of(options, output, path, err);
 }
 
+/* Makes the path of the file that keeps a run's sums: its checkpoint, or the file of its part. */
 cml_status cml_checkpoint_of(const struct cml_options *options, const char *output, char **path,
                              struct cml_error *err)
 {

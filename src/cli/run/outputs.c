@@ -83,6 +83,7 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_options 
     return cml_report_each_file(scene, NULL, &asks, path, add_file, &adding, err);
 }
 
+/* Adds the checkpoint of run number `run` to the files that the program writes. */
 static cml_status add_checkpoint(const struct cml_options *options, struct cml_outputs *outputs,
                                  const char *path, int run, struct cml_error *err)
 {
@@ -268,6 +269,7 @@ static cml_status check_strange(const struct cml_options *options, const struct 
     return CML_OK;
 }
 
+/* Orders files by name and then by run, so that files of one name become neighbours. */
 static int compare_files(const void *a, const void *b)
 {
     const struct cml_output_file *one = a, *other = b;
@@ -352,6 +354,8 @@ static bool all_stay(const struct cml_options *options, const struct cml_scene_l
     return run == list->count;
 }
 
+/* True if an existing result of run number `run` may stay as it is. The table of a sweep stays only if all
+ * rows do. */
 static bool may_stay(const struct cml_options *options, const struct cml_scene_list *list, int run)
 {
     const struct cml_scene *scene = &list->scenes[run];

@@ -23,12 +23,14 @@ static void clear_row(struct cml_pending_row *row)
     cml_record_clear(&row->record);
 }
 
+/* Forgets all finished rows that wait to be marked. */
 static void clear_all(struct cml_pending *pending)
 {
     for (int i = 0; i < pending->count; i++) clear_row(&pending->row[i]);
     pending->count = 0;
 }
 
+/* Begins a sweep: its files are forced to disk many at a time, because one by one would be slow. */
 void cml_pending_begin(struct cml_pending *pending)
 {
     pending->flushed = cml_now();

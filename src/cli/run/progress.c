@@ -27,6 +27,7 @@ static double seconds_left(const struct cml_progress *p)
     return p->seconds * (double)(p->total - p->done) / (double)p->done;
 }
 
+/* Returns the number of letters in a line of the terminal; a usual number if it is not known. */
 static int terminal_width(void)
 {
     struct winsize size;

@@ -39,6 +39,7 @@ static cml_status fly_one(struct cml_sweep_rows *rows, int row, cml_sweep_fly_fu
     return rows->done[row] ? CML_OK : status;
 }
 
+/* Prints the JSON record of a row on rank 0, and frees it on all ranks. */
 static void print_json(struct cml_record *record, bool json)
 {
     if (json && record->json && cml_cluster_rank() == 0) fputs(record->json, stdout);
@@ -252,6 +253,8 @@ static cml_status fly_shared(struct cml_sweep_rows *rows, bool json, cml_sweep_f
     return cml_cluster_agree(flown, err);
 }
 
+/* Flies all rows: with more rows than ranks each rank flies rows by itself, otherwise all ranks share each
+ * row. */
 cml_status cml_sweep_rows_fly(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                               void *context, struct cml_error *err)
 {

@@ -134,6 +134,8 @@ CML_LOOP void cml_rough_lanes_turn_ggx(struct cml_stream stream, struct cml_roug
     cml_rough_lanes_turn(stream, w, steps, CML_ROUGH_GGX);
 }
 
+/* Compiles cml_rough_lanes_turn for the Beckmann distribution, so that the loop has no branch for the
+ * kind. */
 CML_LOOP void cml_rough_lanes_turn_beckmann(struct cml_stream stream, struct cml_rough_lanes *w,
                                             cml_u32 steps)
 {

@@ -20,6 +20,7 @@ int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS])
     return count;
 }
 
+/* Returns the engine that was compiled for the best instructions of this processor. */
 const struct cml_engine *cml_engine_cpu(void)
 {
     struct cml_cpu_level levels[CML_CPU_LEVELS];

@@ -162,12 +162,15 @@ static int next_photons(void *context, uint64_t *first, uint64_t *count)
     return 1;
 }
 
+/* Tells the caller of the engine that a batch is complete. */
 static void end_batch(void *context, int batch, struct cml_tally *tally)
 {
     const struct cml_work *work = ((const struct supply *)context)->work;
     work->end_batch(work->context, batch, tally);
 }
 
+/* True if the run was to stop a while ago and this thread still flies. The supply then remembers that the
+ * thread's packets were given up. */
 static int gives_up(void *context)
 {
     struct supply *supply = context;
@@ -204,6 +207,7 @@ static void fly_and_add(void *context, int number)
     if (mine != cpu->tallies) flight->work->add(flight->work->context, mine);
 }
 
+/* Tells the run that the system started fewer threads than asked for. */
 static void tell_fewer(void *context, int count)
 {
     const struct cml_work *work = ((const struct cpu_flight *)context)->work;
@@ -222,6 +226,7 @@ static cml_status cpu_run(void *self, const struct cml_work *work, struct cml_er
     return CML_OK;
 }
 
+/* Flies one packet by the scalar walk, and reports its events to `on_event`, for the command `trace`. */
 static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                             struct cml_fate_record *record, struct cml_error *err)
 {

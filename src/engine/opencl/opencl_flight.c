@@ -386,6 +386,7 @@ cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml
     return CML_OK;
 }
 
+/* Reads the sums from the device and sets them to zero there, so that no sum is counted twice. */
 cml_status cml_opencl_flight_collect(struct cml_opencl_flight *flight, uint64_t *cells, struct cml_error *err)
 {
     CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_CELLS, cells, flight->num_cells * sizeof *cells, err));

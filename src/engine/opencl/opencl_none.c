@@ -15,12 +15,14 @@ static cml_status none_open(const struct cml_scene *scene, const struct cml_surf
     return cml_fail(err, CML_E_DEVICE, "this clustermcml was built without OpenCL");
 }
 
+/* Stands for the number of threads of OpenCL in a program without OpenCL. */
 static int none_threads(const void *self)
 {
     (void)self;
     return 0;
 }
 
+/* Stands for the memory of OpenCL in a program without OpenCL. */
 static double none_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     (void)scene, (void)surfaces;

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Returns the first row of a group in the table of keys; the group's other rows follow. */
 const struct cml_key *cml_keys_of(enum cml_key_group group)
 {
     const struct cml_key *key = cml_key_table;
@@ -55,6 +56,8 @@ double cml_key_degrees(double angle)
     return strtod(digits, NULL);
 }
 
+/* Returns the number in the struct member that the key names, in the unit of the file: radians become
+ * degrees. */
 double cml_key_load(const struct cml_key *key, const void *base)
 {
     const void *member = (const char *)base + key->member;

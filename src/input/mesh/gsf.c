@@ -47,6 +47,8 @@ static cml_status read_resolution(const struct field *f, const char *name, const
     return fail(f, name, value, "a whole number of 2 or more");
 }
 
+/* Reads the width or height of a Gwyddion map. *size is 0 until the line was seen, so that a second line is
+ * refused. */
 static cml_status read_size(const struct field *f, const char *name, const char *value, double *size)
 {
     if (*size != 0) return fail(f, name, value, "this line only once");

@@ -168,6 +168,7 @@ static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml
     return fail_at(&table->text, "number of cells", value, expected, err);
 }
 
+/* Reads the names of columns and all rows of a sweep. */
 static cml_status read_table(struct cml_sweep_table *table, struct cml_error *err)
 {
     CML_TRY(read_header(table, err));

@@ -324,6 +324,7 @@ static void *same_writer(void *writer)
     return writer;
 }
 
+/* Keeps the writer when HDF5 would free its copy: HDF5 gets this program's own writer (same_writer). */
 static herr_t keep_writer(void *writer)
 {
     (void)writer;

@@ -88,6 +88,7 @@ static void begin_data(FILE *out, const char *type)
     fprintf(out, "    </Piece>\n  </%s>\n  <AppendedData encoding=\"raw\">\n   _", type);
 }
 
+/* Ends a VTK file with the line by which readers see that the file is whole. */
 static cml_status end_file(struct cml_file *file, struct cml_error *err)
 {
     fprintf(file->stream, "\n  </AppendedData>\n" LAST_LINE);

@@ -273,6 +273,7 @@ static double *add(struct fields *list, const char *name, const char *long_name,
     return add_over(list, NULL, NULL, name, long_name, units);
 }
 
+/* True if this column of a sweep's table has become an axis of the grid. */
 static bool is_axis(const struct grid *grid, int column)
 {
     for (int a = 0; a < grid->num_axes; a++)

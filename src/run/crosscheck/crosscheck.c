@@ -92,6 +92,7 @@ static cml_status open_sides(struct fates *fates, struct cml_error *err)
     return CML_OK;
 }
 
+/* Closes the engines that were compared, and frees their records. */
 static void close_sides(struct fates *fates)
 {
     for (int s = 0; s < fates->setup->num_sides; s++) {

@@ -23,6 +23,7 @@ struct encounter {
     double at[3];              /* place of a failure, scene coordinates, cm */
 };
 
+/* Refuses a body that meets a boundary. what: "meets", "lies above" and the like. */
 static cml_status fail_encounter(const struct encounter *e, const char *what, struct cml_error *err)
 {
     return cml_fail(err, CML_E_INPUT,

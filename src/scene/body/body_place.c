@@ -165,12 +165,14 @@ static int compare_volumes(const void *left, const void *right)
     return a->number - b->number;
 }
 
+/* Orders bodies by the medium or body that surrounds them, then by number. */
 static int compare_hosts(const void *left, const void *right)
 {
     const struct solid *a = left, *b = right;
     return a->host != b->host ? a->host - b->host : a->number - b->number;
 }
 
+/* Sorts the bodies, and puts their boxes in the new order. */
 static void sort(struct placing *p, int (*compare)(const void *, const void *))
 {
     qsort(p->solid, p->count, sizeof *p->solid, compare);

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Returns the word for a body's form. */
 const char *cml_body_form_name(enum cml_body_form form)
 {
     static const char *const names[] = {"mesh", "sphere", "cylinder"};
@@ -49,6 +50,7 @@ void cml_body_box(const struct cml_scene_body *body, double lower[3], double upp
     }
 }
 
+/* Returns a point of a body that serves to find what lies around the body, cm. */
 void cml_body_point(const struct cml_scene_body *body, double point[3])
 {
     cml_vec3_copy(body->form == CML_BODY_MESH ? body->mesh.vertex[0] : body->centre, point);

@@ -56,6 +56,8 @@ static void swap_rows(struct cml_heightmap *map)
         }
 }
 
+/* Reverses the rows of a heightmap, since files begin at the top, and moves the middle of the map to x = y =
+ * 0. */
 void cml_heightmap_centre(struct cml_heightmap *map)
 {
     swap_rows(map);

@@ -88,6 +88,7 @@ static void list_rim(struct builder *b)
 
 /* ---- the mesh ---- */
 
+/* Returns the place of a sample as a vertex. z points down, hence the sign of the height. */
 static void position_of(const struct cml_heightmap *map, size_t sample, double out[3])
 {
     const size_t nx = (size_t)map->nx;
@@ -223,6 +224,7 @@ static cml_status merge(struct builder *b, double tolerance, const struct cml_me
     return cml_mesh_budget_check(budget, (double)with_skirt, "a larger --tolerance or --mesh-budget", err);
 }
 
+/* Frees what the builder of a mesh has used. */
 static void clear(struct builder *b, double *surface)
 {
     free(surface);

@@ -10,6 +10,8 @@
 #define BYTES 350.0  /* bytes per triangle; measurements stand in mesh_budget.h */
 #define SECONDS 3e-6 /* seconds per triangle; measured: 2.1e-6 tessellations, 4.2e-6 .obj files */
 
+/* Returns the number of triangles that a heightmap's mesh may have if the user says nothing: fewer on a
+ * machine with little memory. */
 double cml_mesh_budget_default(void)
 {
     const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);

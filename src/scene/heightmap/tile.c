@@ -72,6 +72,7 @@ double cml_tile_period(const struct cml_heightmap *tile, int axis)
     return axis == 0 ? tile->nx * tile->dx : tile->ny * tile->dy;
 }
 
+/* Returns i modulo n in 0..n - 1, also for negative i: the sample of a repeated heightmap. */
 static int64_t wrap(int64_t i, int n)
 {
     const int64_t rest = i % n;

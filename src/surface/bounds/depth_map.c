@@ -22,6 +22,8 @@ static const double err_cell = 1e-3;
  * each. */
 static const double err_depth = 1e-5;
 
+/* Returns the number of cells of a level of the map; each level has half as many cells along a side as the
+ * one below. */
 size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
 {
     const size_t side = (size_t)(map->size >> level);

@@ -74,6 +74,8 @@ static void find_mean(struct cml_grid_mesh *grid)
     grid->mean = sum / cells;
 }
 
+/* Fills the coarser levels of cells from the finest one: a cell of a level bounds the depths of the cells it
+ * covers. */
 void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid)
 {
     for (int l = 1; l < grid->levels; l++) build_level(&grid->level[l - 1], &grid->level[l]);

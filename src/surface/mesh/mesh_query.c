@@ -288,12 +288,14 @@ static double distance_to_primitive(const struct cml_mesh_query *q, int primitiv
            cml_vec3_dot(q->direction, q->centred->plane[primitive]);
 }
 
+/* Returns the distance along the ray to the plane of a facet. */
 double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive)
 {
     const double *plane = q->centred->plane[primitive];
     return (plane[3] - cml_vec3_dot(q->origin, plane)) / cml_vec3_dot(q->direction, plane);
 }
 
+/* Marks the query as in doubt if the ray starts so close to a facet that rounding hides on which side. */
 void cml_query_test_contact(struct cml_mesh_query *q, int primitive)
 {
     const double *plane = q->centred->plane[primitive];
@@ -396,6 +398,7 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *ce
                    : -err_position;
 }
 
+/* True if rounding may have decided the answer, so that exact arithmetic must decide again. */
 bool cml_query_is_doubtful(const struct cml_mesh_query *q)
 {
     return q->starts_on_edge || q->in_doubt || q->open_edges != 0 ||

@@ -518,6 +518,7 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
     free(surface);
 }
 
+/* Returns the mesh inside a surface. Its vertices count from *middle. */
 const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surface, double middle[3])
 {
     middle[0] = -surface->centred.axis[0];

@@ -36,6 +36,8 @@ int cml_tile_primitive(const struct cml_mesh_period *period, int triangle)
     return 2 * (j * period->n[0] + i) + triangle % 2;
 }
 
+/* Returns the triangle of the patch that is a primitive of the period itself, and not one of the copies
+ * around it. */
 int cml_tile_triangle(const struct cml_mesh_period *period, int primitive)
 {
     const int cell = primitive / 2, i = cell % period->n[0], j = cell / period->n[0];

@@ -31,6 +31,8 @@ void cml_facet_box_widen(struct cml_facet_box *box, const struct cml_facet_box *
     }
 }
 
+/* Returns half of the surface of a box, cm2: the chance that a ray meets a box is proportional to it. at:
+ * lower corner, then upper corner. */
 float cml_facet_box_area(const struct cml_facet_box *box)
 {
     const float x = box->at[3] - box->at[0], y = box->at[4] - box->at[1], z = box->at[5] - box->at[2];

@@ -332,13 +332,13 @@ CML_FN real cml_rough_mirror(struct cml_rough_walk *walk, struct cml_vec m, cons
     return backing->kept < 1 ? 1 - backing->kept : (real)0;
 }
 
-/* Returns the random words of step `step` at a packet's boundary event `crossing`. event: number of the block
- * among all that the packet has drawn at rough boundaries. The first reflections of a packet's life come from
- * the lattice. */
+/* Returns the random words for facet number `step` that a packet meets in its boundary event `crossing`.
+ * block_number: counts the blocks of random words that the packet has drawn at rough boundaries. The first
+ * facet of the packet's first events takes its word from the lattice (P13). */
 CML_FN struct cml_block cml_draw_rough(struct cml_stream stream, cml_u64 photon, cml_u32 crossing,
-                                       cml_u32 event, int step)
+                                       cml_u32 block_number, int step)
 {
-    struct cml_block block = cml_draw(stream, photon, CML_PURPOSE_ROUGH, event);
+    struct cml_block block = cml_draw(stream, photon, CML_PURPOSE_ROUGH, block_number);
     if (step == 0 && crossing < CML_LATTICE_REFLECTIONS && stream.lattice)
         block.w[3] = cml_lattice_draw(stream, photon, cml_lattice_reflection(crossing), block.w[3]);
     return block;

@@ -188,23 +188,25 @@ static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, stru
     return cml_fail_memory(err, (double)n * 100.0, "the overlap check");
 }
 
-/* Builds a tree over the boxes of triangles. */
+/* Builds a tree over the boxes of a mesh's triangles. Triangles are sorted by the sum of their corners:
+ * three times the centroid, which gives the same order. */
 cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3], size_t num_triangles,
                               struct cml_boxtree **tree, struct cml_error *err)
 {
-    double(*centre)[3] = malloc(num_triangles * sizeof *centre); /* times 3, as only the order counts */
-    if (!centre)
-        return cml_fail_memory(err, (double)(num_triangles * sizeof *centre), "the overlap check of a mesh");
+    double(*corner_sum)[3] = malloc(num_triangles * sizeof *corner_sum);
+    if (!corner_sum)
+        return cml_fail_memory(err, (double)(num_triangles * sizeof *corner_sum),
+                               "the overlap check of a mesh");
     for (size_t i = 0; i < num_triangles; i++) {
         const uint32_t *t = triangle[i];
-        for (int k = 0; k < 3; k++) centre[i][k] = vertex[t[0]][k] + vertex[t[1]][k] + vertex[t[2]][k];
+        for (int k = 0; k < 3; k++) corner_sum[i][k] = vertex[t[0]][k] + vertex[t[1]][k] + vertex[t[2]][k];
     }
     const cml_status status = allocate(num_triangles, false, tree, err);
     if (status == CML_OK) {
-        const struct builder builder = {*tree, vertex, triangle, 3, (const double *)centre};
+        const struct builder builder = {*tree, vertex, triangle, 3, (const double *)corner_sum};
         build(&builder, root_of(*tree));
     }
-    free(centre);
+    free(corner_sum);
     return status;
 }
 

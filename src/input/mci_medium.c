@@ -69,13 +69,13 @@ enum cml_key_group cml_mci_phase_keys(const struct cml_phase *phase)
     return phase ? keys[phase->kind] : CML_KEYS_NONE;
 }
 
-/* Reads the kind and the numbers of a phase function, or the file of a table. kind, number: the layer or body
- * in messages. */
-static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, int number,
+/* Reads the rest of a line `phase`: the kind and its numbers, or the file of a table. owner_word and number
+ * name the layer or body in messages, as in "layer 2". */
+static cml_status read_phase(struct cml_mci_reader *reader, const char *owner_word, int number,
                              struct cml_phase *phase)
 {
     char owner[48], field[64];
-    snprintf(owner, sizeof owner, "%s %d: phase", kind, number);
+    snprintf(owner, sizeof owner, "%s %d: phase", owner_word, number);
     snprintf(field, sizeof field, "%s: kind", owner);
     cml_mci_cut_comment(reader->cursor);
     const char *word = cml_text_word(&reader->cursor);
@@ -156,18 +156,18 @@ cml_status cml_mci_own_phase(const struct cml_mci_reader *reader, struct cml_sce
 
 /* Refuses an absorption so small beside the scattering that rounding would lose it. */
 static cml_status check_absorption(const struct cml_mci_reader *reader, const struct cml_scene *scene,
-                                   const char *kind, int number, const struct cml_medium_def *medium)
+                                   const char *owner_word, int number, const struct cml_medium_def *medium)
 {
     static const char expected[] = "0, or at least 1e-11 of mua + mus";
     char name[CML_SETTING_NAME], field[48], value[32];
     const struct cml_settings *settings = reader->options->settings;
     const double mut = cml_medium_mut(medium);
     if (!(medium->mua > 0 && medium->mua < CML_LEAST_ABSORPTION * mut)) return CML_OK;
-    snprintf(name, sizeof name, "%s%d.mua", kind, number);
-    snprintf(field, sizeof field, "%s %d: mua", kind, number);
+    snprintf(name, sizeof name, "%s%d.mua", owner_word, number);
+    snprintf(field, sizeof field, "%s %d: mua", owner_word, number);
     snprintf(value, sizeof value, "%g", medium->mua);
     const struct cml_setting *mua = settings ? cml_settings_find(settings, name) : NULL;
-    if (settings && !mua && strcmp(kind, "layer") == 0) {
+    if (settings && !mua && strcmp(owner_word, "layer") == 0) {
         snprintf(name, sizeof name, "%s.mua", cml_layer_name(scene, number));
         mua = cml_settings_find(settings, name);
     }
@@ -177,11 +177,12 @@ static cml_status check_absorption(const struct cml_mci_reader *reader, const st
 
 /* Refuses a phase function whose mean cosine is not the medium's g. */
 static cml_status check_mean(const struct cml_mci_reader *reader, const struct cml_scene *scene,
-                             const char *kind, int number, const struct cml_medium_def *medium, double mean)
+                             const char *owner_word, int number, const struct cml_medium_def *medium,
+                             double mean)
 {
     char field[64], value[32], expected[80];
     if (fabs(mean - medium->g) <= 1.0000001e-3) return CML_OK;
-    snprintf(field, sizeof field, "%s %d: phase: mean cosine", kind, number);
+    snprintf(field, sizeof field, "%s %d: phase: mean cosine", owner_word, number);
     snprintf(value, sizeof value, "%.6g", mean);
     snprintf(expected, sizeof expected, "the medium's g = %g to 1e-3", medium->g);
     return cml_fail_field(reader->err, scene->file, medium->phase_line, field, value, expected);
@@ -198,10 +199,10 @@ cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct
         const struct cml_medium_def *medium = &scene->media[m];
         const bool body = m > scene->num_layers + 1;
         const int number = body ? m - scene->num_layers - 1 : m;
-        const char *kind = body ? "body" : "layer";
-        CML_TRY(check_absorption(reader, scene, kind, number, medium));
+        const char *owner_word = body ? "body" : "layer";
+        CML_TRY(check_absorption(reader, scene, owner_word, number, medium));
         if (medium->phase)
-            CML_TRY(check_mean(reader, scene, kind, number, medium, mean[medium->phase->index]));
+            CML_TRY(check_mean(reader, scene, owner_word, number, medium, mean[medium->phase->index]));
     }
     return CML_OK;
 }

@@ -158,10 +158,10 @@ static void cml_handle_limit(struct cml_flight *f, int i)
         cml_end_lane(f, i, CML_FATE_LOST, CML_LOST_STUCK);
 }
 
-/* Plays roulette by `rule` with the lane's packet (P8, P19). The draw is that of the interaction that the
- * packet has just had. Its block is computed again for its fourth word, which the loops do not keep, because
- * few packets get here. */
-static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule rule)
+/* Plays roulette by `rule` with the packet of lane i (P8, P19), and ends the lane if the packet loses. The
+ * draw is the fourth random word of the packet's last interaction. The loops do not keep this word, so the
+ * block is computed again. Deposits before and after the new weight are kept apart. */
+static void cml_lane_roulette_by(struct cml_flight *f, int i, struct cml_roulette_rule rule)
 {
     struct cml_bundle *b = f->b;
     struct cml_packet packet = {.w = b->w[i]};
@@ -169,7 +169,8 @@ static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule
         cml_draw(f->world->setup.stream, cml_lane_index(b, i), CML_PURPOSE_INTERACTION, b->interactions[i]);
     cml_roulette(rule, &packet);
     cml_tally_events(&packet, f->tally);
-    b->interactions[i]++; /* counts the interaction that the next pass will count */
+    /* The deposits belong to the interaction that the next pass will count. */
+    b->interactions[i]++;
     cml_flush_deposits(f, i);
     b->interactions[i]--;
     if (f->factors) {
@@ -184,7 +185,7 @@ static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule
 
 static void cml_lane_roulette(struct cml_flight *f, int i)
 {
-    cml_lane_plays(f, i, f->world->setup.roulette);
+    cml_lane_roulette_by(f, i, f->world->setup.roulette);
 }
 
 /* cml_weigh for a lane that has interacted and is outside of its window (P19). The lane has not drawn for its
@@ -200,7 +201,7 @@ static void cml_weigh_lane(struct cml_flight *f, int i)
     struct cml_packet packet;
     const cml_u32 w = b->w[i];
     if (w < low) {
-        cml_lane_plays(f, i, rule);
+        cml_lane_roulette_by(f, i, rule);
         if (b->w[i] > w) b->spent[i] = cml_spent_after(b->spent[i], w, b->w[i]);
         return;
     }

@@ -21,6 +21,8 @@
  * where kernels of OpenCL are compiled first. */
 #define ERROR_PILOT 0.3
 #define SPEED_PILOT 0.1
+/* Factor by which each round of the speed pilot is longer than the one before. */
+#define SPEED_GROWTH 8
 #define MOST_SECONDS 30 /* longest round, s: packets of some scenes hardly end */
 #define DEFAULT_ERROR 1e-3
 
@@ -29,6 +31,7 @@ static const char *const engine_names[] = {"cpu", "reference", "opencl"};
 static const char *const sampling_names[] = {"random", "lattice"};
 enum {
     ENGINES = sizeof engine_names / sizeof *engine_names,
+    OPENCL = ENGINES - 1, /* the only engine that may refuse a scene or lack a device */
     SAMPLINGS = 2,
     MOST_DETECTORS = 8 /* detectors considered as aims at most; each takes 0.1 s */
 };
@@ -51,8 +54,8 @@ struct plan {
 
 /* ---- pilots ---- */
 
-/* Measures the speed of an engine. OpenCL may have no device or refuse the scene; the other engines fly every
- * scene. The photons come from the time alone: --photons is for the pilots of errors. */
+/* Measures how many photons per second an engine flies, in a pilot run of SPEED_PILOT seconds. OpenCL may
+ * have no device or refuse the scene: the plan then keeps the reason and goes on. */
 static cml_status measure_speed(struct plan *plan, const struct cml_run_setup *setup, int engine,
                                 struct cml_error *err)
 {
@@ -60,9 +63,8 @@ static cml_status measure_speed(struct plan *plan, const struct cml_run_setup *s
     struct cml_pilot pilot;
     mine.engine = cml_engine_find(engine_names[engine]);
     mine.photons = 0;
-    const cml_status status = cml_pilot_fly(&mine, SPEED_PILOT, 8, &pilot, err);
-    if (status == CML_E_STOPPED ||
-        (engine == ENGINES - 1 && (status == CML_E_DEVICE || status == CML_E_INPUT))) {
+    const cml_status status = cml_pilot_fly(&mine, SPEED_PILOT, SPEED_GROWTH, &pilot, err);
+    if (status == CML_E_STOPPED || (engine == OPENCL && (status == CML_E_DEVICE || status == CML_E_INPUT))) {
         plan->refusal[engine] = *err;
         return CML_OK;
     }
@@ -130,7 +132,7 @@ static void print_time(double seconds)
 /* True if an engine can reach the goal: OpenCL has no expected values. */
 static bool has_goal(const struct plan *plan, int engine, int goal)
 {
-    if (goal == CML_PILOT_EXPECTED) return plan->aim.tail.scores > 0 && engine < ENGINES - 1;
+    if (goal == CML_PILOT_EXPECTED) return plan->aim.tail.scores > 0 && engine != OPENCL;
     return goal != CML_PILOT_NAMED || plan->error_of;
 }
 
@@ -308,7 +310,8 @@ static cml_status aim(const struct cml_scene *scene, const struct cml_surface_se
     return cml_aim_create("Tt", scene, surfaces, to, err) == CML_E_INPUT ? CML_E_INPUT : CML_OK;
 }
 
-/* Makes the windows of detectors. A detector that cannot be aimed at does not end the plan. */
+/* Computes the weight windows that --aim would use for each detector, because the plan tells what they gain.
+ * A detector that cannot be aimed at does not end the plan, which keeps the first reason. */
 static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *surfaces)
 {
     const struct cml_scene *scene = plan->scene;

@@ -187,23 +187,25 @@ static void print_one_option(FILE *stream, const struct cml_option *option)
     cml_manual_print_word(stream, typed);
 }
 
-/* Refuses a topic that help does not know, and suggests the option, command or page with the most similar
- * name. */
-static cml_status refuse(const char *topic, struct cml_error *err)
+/* Refuses an option --NAME that does not exist, and suggests the one with the most similar name. */
+static cml_status refuse_option(const char *topic, struct cml_error *err)
 {
+    const char *name = topic + strlen("--"), *meant = cml_option_guess(name, strlen(name));
+    if (meant) return cml_fail(err, CML_E_INPUT, "unknown option %s (did you mean --%s?)", topic, meant);
+    return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", topic);
+}
+
+/* Refuses a topic that help does not know, and suggests the command or page with the most similar name. */
+static cml_status refuse_topic(const char *topic, struct cml_error *err)
+{
+    if (strncmp(topic, "--", 2) == 0) return refuse_option(topic, err);
     struct cml_guess guess = {.word = topic, .length = strlen(topic)};
     for (int i = 0; i < CML_NUM_COMMANDS; i++) cml_guess_offer(&guess, cml_commands[i].name);
     for (const struct cml_manual_page *page = cml_manual; page->name; page++)
         cml_guess_offer(&guess, page->word);
-    const char *meant = cml_guess_best(&guess);
-    if (strncmp(topic, "--", 2) == 0) {
-        meant = cml_option_guess(topic + 2, strlen(topic + 2));
-        return cml_fail(err, CML_E_INPUT, "unknown option %s (%s%s%s)", topic,
-                        meant ? "did you mean --" : "try clustermcml --help", meant ? meant : "",
-                        meant ? "?" : "");
-    }
-    return cml_fail(err, CML_E_INPUT, "help: no text on %s (%s%s%s)", *topic ? topic : "\"\"",
-                    meant ? "did you mean " : "try clustermcml help", meant ? meant : "", meant ? "?" : "");
+    const char *meant = cml_guess_best(&guess), *shown = *topic ? topic : "\"\"";
+    if (meant) return cml_fail(err, CML_E_INPUT, "help: no text on %s (did you mean %s?)", shown, meant);
+    return cml_fail(err, CML_E_INPUT, "help: no text on %s (try clustermcml help)", shown);
 }
 
 /* Prints the help on a topic. Names are looked up in this order: lists, options, commands, pages of the
@@ -248,5 +250,5 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
     option = cml_option_find(topic, strlen(topic));
     if (option) print_one_option(stream, option);
     found = cml_manual_print_word(stream, topic) > 0 || option || cml_manual_print_word(stream, dashed) > 0;
-    return found ? CML_OK : refuse(topic, err);
+    return found ? CML_OK : refuse_topic(topic, err);
 }

@@ -16,15 +16,19 @@
  * end or continue by themselves. */
 cml_status cml_sweep_check_options(const struct cml_options *options, struct cml_error *err)
 {
-    const char *beside = options->keep                ? "--keep or --more"
-                         : options->target_error > 0  ? "--target-error"
-                         : options->aim               ? "--aim"
-                         : options->engine->reweights ? NULL
-                                                      : "--engine opencl";
+    const struct {
+        bool given;
+        const char *name;
+    } excluded[] = {{options->keep, "--keep or --more"},
+                    {options->target_error > 0, "--target-error"},
+                    {options->aim, "--aim"},
+                    {!options->engine->reweights, "--engine opencl"}};
     if (!options->reweight) return CML_OK;
     if (!options->sweep) return cml_fail(err, CML_E_INPUT, "--reweight (expected --sweep beside it)");
-    if (!beside) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "--reweight (expected no %s beside it)", beside);
+    for (size_t i = 0; i < sizeof excluded / sizeof *excluded; i++)
+        if (excluded[i].given)
+            return cml_fail(err, CML_E_INPUT, "--reweight (expected no %s beside it)", excluded[i].name);
+    return CML_OK;
 }
 
 /* Refuses --reweight for a scene that asks for large arrays, which would be needed once for each row. */

@@ -331,26 +331,28 @@ static bool is_table(const struct cml_scene *scene)
     return cml_file_ends_in(scene->output, ".sweep.csv") || cml_file_ends_in(scene->output, ".sweep.h5");
 }
 
-/* True if an existing result may stay: --resume finds its run finished, or the result may prove to be of this
- * run. The latter shows only when the identity of the run is known (before.h). */
-static bool stays(const struct cml_options *options, const struct cml_scene *scene)
+/* True if an existing result may stay. With --resume it stays if its checkpoint says that the run is
+ * finished. Without a checkpoint it may stay, too: once the run's identity is known, cml_before_look decides
+ * whether the result belongs to the run. */
+static bool result_stays(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_error ignored;
     char *path = NULL;
-    bool may = false;
+    bool stays = false;
     if (options->resume && cml_run_checkpoint(options, scene, &path, &ignored) == CML_OK) {
         const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
-        may = kind == CML_CHECKPOINT_FINISHED || (kind == CML_CHECKPOINT_NONE && !options->sweep);
+        stays = kind == CML_CHECKPOINT_FINISHED || (kind == CML_CHECKPOINT_NONE && !options->sweep);
     }
     free(path);
-    return may;
+    return stays;
 }
 
 /* True if all rows of a sweep stay: its tables are then written again, unchanged. */
 static bool all_stay(const struct cml_options *options, const struct cml_scene_list *list)
 {
     int run = 0;
-    while (run < list->count && (is_table(&list->scenes[run]) || stays(options, &list->scenes[run]))) run++;
+    while (run < list->count && (is_table(&list->scenes[run]) || result_stays(options, &list->scenes[run])))
+        run++;
     return run == list->count;
 }
 
@@ -360,7 +362,7 @@ static bool may_stay(const struct cml_options *options, const struct cml_scene_l
 {
     const struct cml_scene *scene = &list->scenes[run];
     if (options->more > 0) return true;
-    return options->sweep && is_table(scene) ? all_stay(options, list) : stays(options, scene);
+    return options->sweep && is_table(scene) ? all_stay(options, list) : result_stays(options, scene);
 }
 
 /* Refuses with --no-clobber to replace files that exist. */

@@ -377,8 +377,9 @@ CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml
 }
 #endif
 
-/* Flies the events of one work-item in one call. stream: the world's stream in local memory (struct
- * cml_shared). */
+/* Flies the packets of one work-item for one call of the kernel: takes packets from global memory or starts
+ * new ones, makes up to call.steps steps with each, and stores the packets and their deposits. stream: a
+ * copy of the random stream in the work-group's fast local memory. */
 CML_FN void cml_device_work_item(struct cml_world *world, __local const struct cml_stream *stream,
                                  const struct cml_deposits *to, struct cml_kernel_call call,
                                  __global struct cml_packet *saved, __global struct cml_device_fate *fates)

@@ -114,8 +114,9 @@ static int open_new(const char *path, mode_t mode, char *name, size_t size)
     return file;
 }
 
-/* Writes `size` bytes for a stream (fopencookie). Returns `size`, or 0 after a failure, with the reason in
- * file->reason. Writes nothing after a failure, so that no later success hides it. */
+/* Writes `size` bytes to the temporary file, for a stream of fopencookie, and updates the checksum. Returns
+ * `size`, or 0 after a failure, whose reason file->reason keeps: nothing is written then any more, so that
+ * no later success hides the failure. */
 static ssize_t write_all(void *context, const char *data, size_t size)
 {
     struct cml_file *file = context;

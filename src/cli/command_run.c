@@ -28,8 +28,9 @@ struct session {
     struct cml_outputs outputs; /* claimed files of all runs, on rank 0 only */
 };
 
-/* Checks all runs before the first photon flies: memory, starts of beams, aims, and outputs that can be
- * written. */
+/* Checks all runs of a file before the first photon flies: memory, starts of beams, --error-of, --aim, and
+ * outputs that can be written. Loops from 1: the first run is prepared right after this, and then refuses
+ * the same faults before its first photon. */
 static cml_status check_runs(struct session *session, const struct cml_inputs *inputs, struct cml_error *err)
 {
     const struct cml_scene_list *list = &session->list;

@@ -519,10 +519,9 @@ static inline void cml_rows_detect(const struct cml_world *world, const struct c
     }
 }
 
-/* Adds the light to the bin of its direction, for each row. If standard errors come from groups, each
- * group has bins of its own, once.step bins apart. If once.step is 0, all groups share the bins, and
- * squares of weights are summed once.squares bins behind. Rows count in 2^-30 packets and squares in
- * 2^-31, hence 2 * part. */
+/* Adds a packet that leaves the scene to the bin of its direction, once for each row of a sweep with the
+ * row's own weight. Groups have bins of their own, once.step apart, or share bins (step 0), and squares
+ * stand once.squares bins behind. Rows count in 2^-30 packets and squares in 2^-31, hence 2 * part. */
 static inline void cml_rows_direct(const struct cml_setup *setup, const struct cml_row_light *of)
 {
     const struct cml_row_packet *rows = of->rows;

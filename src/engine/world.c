@@ -474,8 +474,8 @@ static cml_status make_scores(const struct cml_scene *scene, const struct cml_ta
     return CML_OK;
 }
 
-/* Makes the parts of the world in turn. Sources come after all surfaces, because the walk's own functions
- * find the medium in which a source lies. */
+/* Makes the scene in the form that kernels read: media, surfaces, bodies, beams, detectors. Beams come after
+ * all surfaces, because the walk's own functions find the medium in which a beam starts. */
 cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                   const struct cml_engine_options *options, struct cml_owned_world *to,
                                   struct cml_error *err)

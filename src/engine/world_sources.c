@@ -216,9 +216,8 @@ static double least_gap(const struct cml_scene *scene, const struct cml_world *w
            1e-9 * fmax(scene->nr * scene->dr, scene->nz * scene->dz);
 }
 
-/* Refuses a start on a surface, where the medium is uncertain. Tests the 26 neighbours in a cube of half side
- * `gap` about the start (and, as k = 13, the start itself): if one lies in another medium, a surface is near.
- */
+/* Refuses a beam that starts on a surface, where its medium is uncertain. Tests the 3 x 3 x 3 points of a
+ * cube with half side `gap` about the start: if one of them lies in another medium, a surface is near. */
 static cml_status check_place(const struct cml_scene *scene, const struct cml_world *world,
                               const struct cml_beam *beam, int medium, struct cml_error *err)
 {

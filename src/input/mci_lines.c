@@ -154,8 +154,10 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
                      reader->cursor + 1);
 }
 
-/* Goes to the next data line or keyword line, and keeps its text, which decides the result. Comments are
- * passed over, but for those marked as keyword lines (#@). */
+/* Goes to the next line that is neither blank nor a comment, sets the cursor to its text, and says in *kind
+ * what the line is. Lines marked with #@ are keyword lines that original MCML takes for comments. keywords:
+ * unmarked lines may begin with a keyword, too. The text of the line is kept, because it decides the
+ * result. */
 cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind)
 {
     char *line = NULL;

@@ -146,8 +146,9 @@ static void set_box(json_t *object, const struct cml_scene_body *body)
     json_object_set_new(object, "upper", json_pack("[f,f,f]", upper[0], upper[1], upper[2]));
 }
 
-/* Returns what is said of body k. Its box and roughness stand in `check --json` alone, where mean shapes are
- * asked for; its absorption stands in the record of a run. */
+/* Describes body k as JSON: form, representation, host and optical properties. `check --json` adds the box
+ * and the roughness (subject->mean is set); the record of a run adds the absorption (subject->sums is
+ * set). */
 json_t *cml_json_body(const struct cml_json_subject *subject, int k)
 {
     const struct cml_scene *scene = subject->scene;

@@ -61,8 +61,9 @@ static enum cml_axis_kind last_axis(const struct cml_quantity_info *info)
     return info->axis[last];
 }
 
-/* Returns the measure by which value `number` of a quantity is divided to become a density (scaling.h), with
- * the length of gates. Angles count by projected solid angle in arrays over r, else by solid angle. */
+/* Returns by what the sum in bin `number` of a quantity is divided to become a density: the bin's area,
+ * depth, solid angle and length of time, as far as the quantity has these axes (scaling.h). Angles of arrays
+ * over r count by projected solid angle, others by solid angle. */
 static double measure_of(const struct cml_outcome *o, enum cml_quantity quantity, size_t number)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
@@ -186,8 +187,10 @@ static double density(const struct cml_outcome *o, enum cml_quantity quantity, d
     return over_depth ? sum * per_photon / measure : sum * (per_photon / measure);
 }
 
-/* Computes value i of a quantity from the cells of an array. Sums by medium begin with the medium above;
- * outer media absorb nothing. Fluence is the sum of weight times length (rule P14). */
+/* Returns value i of a quantity, and its standard error in *error, from the sums of an array. An array over
+ * media begins with the medium above, which absorbs nothing, hence `first` skips it for layers, and all
+ * layers for bodies. Fluence is the sum of weight times length in units of `length` (P14), and densities are
+ * divided by `measure`. */
 static double of_cells(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                        int i, double *error)
 {

@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-/* Returns the sums of the times of all ranks; `asking` is all communication, requests and sums. */
+/* Returns the times of all ranks added up. In the sum, `asking` stands for all communication: requests of
+ * work and adding up of results. */
 static struct cml_rank_report sum_of(const struct cml_timing *timing)
 {
     struct cml_rank_report sum = {0};

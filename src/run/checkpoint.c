@@ -71,8 +71,9 @@ static void put(struct sink *sink, const void *data, size_t size)
     sink->sum = crc32_z(sink->sum, data, size);
 }
 
-/* Writes the whole checkpoint. record NULL: the run is not finished, and `call` is the text behind the head.
- */
+/* Writes a whole checkpoint: head, identity, text, open ranges, summary, sums, saved packets, checksum. A
+ * finished run has a record, whose JSON is the text; otherwise record is NULL and the text is `call`, the
+ * command line. result NULL: no sums are kept. */
 static void write_all(FILE *stream, const char *identity, const char *call, const struct cml_run_state *state,
                       const struct cml_record *record, struct cml_result *result)
 {

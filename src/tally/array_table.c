@@ -137,8 +137,9 @@ static bool is_by_group(const struct cml_tally_grid *grid, const struct cml_arra
     }
 }
 
-/* Returns the number of parts in which a holder keeps an array: copies by group or batch, or 2 for sums
- * and sums of squares. */
+/* Returns how many copies of an array a holder keeps, from whose spread standard errors come: one for each
+ * group or batch of photons, or 1. An array whose cells a packet reaches at most once (KEPT_ONCE) may
+ * instead have 2 parts: sums and sums of squares. */
 static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array_info *info,
                        enum cml_holder holder)
 {

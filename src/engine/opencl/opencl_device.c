@@ -173,7 +173,8 @@ int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_
     return 0;
 }
 
-/* Reads the next number of "i,j,...". Returns false for any other text. */
+/* Reads the next number of a list like "0,2,5" and moves *cursor behind the number and the comma. Returns
+ * false for anything else, also for a comma at the end of the list. */
 static bool next_number(const char **cursor, int *number)
 {
     char word[16];
@@ -182,7 +183,7 @@ static bool next_number(const char **cursor, int *number)
     memcpy(word, *cursor, length);
     word[length] = '\0';
     *cursor += length;
-    if (**cursor == ',' && *++*cursor == '\0') return false;
+    if (**cursor == ',' && *++*cursor == '\0') return false; /* a comma, and nothing behind it */
     return cml_parse_int(word, number);
 }
 

@@ -273,8 +273,9 @@ static int find_start_level(const struct traversal *w, const int first[2], const
     return level;
 }
 
-/* Traverses the grid from the cell in which the ray begins. If the ray ends near a cell's border, a miss of
- * all visited cells is undecided, since the next cell was not visited. */
+/* Finds the first facet that a ray hits, cell by cell, from the cell in which the ray begins; rays over many
+ * cells skip blocks of cells. The answer is undecided if the ray begins near a cell's border. It is
+ * undecided, too, if nothing is hit and the ray ends near a border, since the cell beyond was not visited. */
 static enum verdict traverse_grid(const struct traversal *w, struct interval ray)
 {
     const struct cml_grid_mesh *grid = w->grid;
@@ -292,6 +293,7 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
     const int level = find_start_level(w, node, last);
     const int *n = grid->level[level].n;
     const struct range all = {{0, 0}, {n[0] - 1, n[1] - 1}};
+    /* Nodes of each level are four times as wide as those of the level below. */
     for (int k = 0; k < 2; k++) node[k] >>= 2 * level;
     const enum verdict verdict = traverse(w, level, &all, node, ray.t_min, ray);
     return verdict == MISS && ends_inside && !ends_in_cell ? UNDECIDED : verdict;

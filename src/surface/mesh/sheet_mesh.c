@@ -299,9 +299,9 @@ static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *er
     return CML_OK;
 }
 
-/* Makes the list of facets of each cell. Sets *pays if the lists have a mean length of at most longest_list,
- * and hardly any facet is too thin for float. Otherwise leaves *pays as it is; the lists may then be
- * incomplete. */
+/* Makes for each cell the list of facets above or below it. Sets *pays if these lists are short
+ * (longest_list facets in the mean) and hardly any facet is too thin for single precision. If the lists turn
+ * out long, stops early and leaves *pays unset; the caller then drops the cells. */
 static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
 {
     size_t thin = 0;

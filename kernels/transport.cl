@@ -37,7 +37,8 @@ CML_FN void cml_score_fate(const struct cml_setup *setup, CML_PACKET const struc
     }
 }
 
-/* Adds a finished packet to the tallies. */
+/* Adds the end of a packet to the tallies: where it left, the balance of its weight, and the counts of its
+ * events. */
 CML_FN void cml_score(const struct cml_setup *setup, CML_PACKET const struct cml_packet *packet,
                       const struct cml_deposits *to)
 {
@@ -76,7 +77,7 @@ CML_FN int cml_device_take(__global struct cml_counters *counters, cml_u64 *inde
     return taken < counters->count;
 }
 
-/* Records the end of a packet. */
+/* Copies how a packet ended to memory that the host reads, for comparison packet by packet. */
 CML_FN void cml_device_write_fate(CML_PACKET const struct cml_packet *packet,
                                   __global struct cml_device_fate *fate)
 {
@@ -184,7 +185,8 @@ CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_devic
     cml_device_load_medium(world, f, i);
 }
 
-/* Copies the lane's changes back into its packet. */
+/* Copies a lane's state back into its packet. A lane that has interacted since it left its last boundary is
+ * no longer on it. */
 CML_FN void cml_device_read_lane(struct cml_device_flight *f, cml_u32 i)
 {
     const struct cml_device_lanes *l = &f->lanes;

@@ -190,7 +190,8 @@ char *cml_text_next(struct cml_text *text)
     return line;
 }
 
-/* Returns the next word of a text, and moves *cursor behind it. */
+/* Cuts the next word off a text: ends it with a NUL, moves *cursor behind it and returns it; NULL at the
+ * end. A word may be in quotation marks, which are taken off, or be key="value with blanks". */
 char *cml_text_word(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, blanks);

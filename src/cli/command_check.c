@@ -155,7 +155,8 @@ static void print_means(const struct cml_scene *scene, const struct cml_mean_sha
     }
 }
 
-/* Prints the map, volume and other results that the scene asks for. */
+/* Prints which optional results the scene asks for, with their sizes: map, facets, fluence, directions,
+ * saved packets, time gates. */
 static void print_map(const struct cml_scene *scene)
 {
     const struct cml_map_def *map = &scene->map;
@@ -182,7 +183,8 @@ static void print_map(const struct cml_scene *scene)
                scene->time.radii ? ", by radius, too" : "");
 }
 
-/* Prints the whole scene for people. */
+/* Prints what `check` has understood of a scene: media, grid, requests, shapes with accuracy and cost, and
+ * memory. starts: the medium in which each beam starts; mean: mean heights and thicknesses. */
 static void print_scene(const struct cml_options *options, const struct cml_scene *scene,
                         const struct cml_surface_set *surfaces, const int *starts,
                         const struct cml_mean_shapes *mean)

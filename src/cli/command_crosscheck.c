@@ -54,7 +54,8 @@ static void print_side(const struct cml_check_side *side, const struct cml_resul
            (unsigned long long)cml_result_lost(result), cml_result_imbalance(result));
 }
 
-/* Prints the comparison of side s with the first side, for people. */
+/* Prints how run s differs from the first run of the cross-check: packets with other ends, differences of
+ * totals, and the bin of all profiles that differs most. z: a difference in standard errors. */
 static void print_pair(const struct cml_check_setup *setup, int s, const struct cml_check_pair *pair)
 {
     const uint64_t differ = setup->photons - pair->equal;
@@ -123,7 +124,8 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
     return side;
 }
 
-/* Prints the comparison of all sides as one JSON object. */
+/* Prints the result of a cross-check as one JSON object with one element for each way of flying the
+ * photons. */
 static cml_status print_json(const struct cml_check_setup *setup, const struct cml_check_result *result,
                              double tolerance, struct cml_error *err)
 {

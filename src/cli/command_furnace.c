@@ -146,7 +146,8 @@ static struct cml_beam diffuse_beam(const struct furnace *f)
                              .light = {.kind = CML_LIGHT_OF_LAMBERTIAN}};
 }
 
-/* Refuses a backing, and layers in which light would stay for ever. */
+/* Refuses scenes in which the furnace's test fails: with a backing, from which no diffuse light comes, or
+ * with layers so dense that light would stay in them for ever. */
 static cml_status check_media(const struct cml_scene *scene, struct cml_error *err)
 {
     if (scene->backing.kind != CML_BACKING_NONE)

@@ -62,7 +62,8 @@ static cml_status check_scene(const char *scene, const char *flown, struct cml_e
                     theirs);
 }
 
-/* Repeats the call of the parts, with their sums in place of flights. */
+/* Joins parts: repeats the command line that the parts were flown with, with their sums in place of flights.
+ * Options of `merge` itself, such as --output, take precedence. */
 static cml_status join(const struct cml_options *options, const char *scene, struct cml_part_files *files,
                        struct cml_error *err)
 {

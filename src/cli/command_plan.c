@@ -269,7 +269,8 @@ static json_t *gains_json(const struct plan *plan)
     return gains;
 }
 
-/* Prints the plan as one JSON object. */
+/* Prints the plan of a scene as one JSON object: a row for each engine and sampling, and what --aim would
+ * gain. */
 static cml_status print_json(const struct plan *plan, struct cml_error *err)
 {
     json_t *object = json_pack(
@@ -347,7 +348,8 @@ static cml_status prepare(const struct cml_options *options, struct plan *plan,
     return aim(plan->scene, surfaces, &plan->aim, err);
 }
 
-/* Flies the pilots of one scene and prints its plan. */
+/* Plans one scene: flies short pilot runs, then prints how many photons and how much time a wanted error
+ * takes. A pilot that is stopped for its time limit counts as a fault of the scene. */
 static cml_status plan_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
                              struct cml_error *err)
 {

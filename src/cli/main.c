@@ -29,7 +29,8 @@ static const struct {
     cml_status (*run)(const struct cml_options *options, struct cml_error *err);
 } commands[CML_NUM_COMMANDS] = {CML_COMMANDS(ROW, PYTHON_ROW)};
 
-/* Runs the command, unless --help or --version is given. */
+/* Runs the command of the command line, or prints help or version. Commands that do not run in parallel run
+ * on rank 0 only. */
 static cml_status answer(const struct cml_options *options, struct cml_error *err)
 {
     const bool first = cml_cluster_rank() == 0;

@@ -27,7 +27,8 @@ static double error_of(const struct cml_result *result, enum cml_total total)
     return certain ? 0 : cml_result_relative_error(result, total);
 }
 
-/* Flies one round of a pilot and adds its errors and its speed. */
+/* Flies one round of a pilot and adds its errors and its speed to the pilot. A total that lies below
+ * CML_TARGET_LEAST_SHARE by three standard errors is marked as faint; its error is then no goal. */
 static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot *pilot, struct cml_error *err)
 {
     struct cml_run_result run;

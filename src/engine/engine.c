@@ -149,7 +149,9 @@ struct range_work {
     struct cml_tally *tally;
 };
 
-/* Takes the next piece of the range, for cml_work.next. */
+/* Gives a thread the next piece of a range of photons, at most `most` of them, and returns false when the
+ * range is used up. takers: number of threads that share the rest. It is the function cml_work.next of
+ * cml_engine_run_range. */
 static bool next_of_range(void *context, uint64_t most, int takers, struct cml_piece *piece)
 {
     struct range_work *range = context;

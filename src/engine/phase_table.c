@@ -108,7 +108,9 @@ static void add_parts(const struct source *source, int cell, double low, double 
     }
 }
 
-/* Fills the table of one function. */
+/* Fills the table of one phase function, from which packets draw the deflection. Cell k covers an equal
+ * share of probability, with a straight line through it. A cell in which the line is too inaccurate refers
+ * to CML_PHASE_PARTS smaller parts behind all tables. */
 static cml_status fill(const char *file, const struct cml_phase *phase, struct cml_phase_tables *tables,
                        size_t *capacity, struct cml_error *err)
 {

@@ -63,7 +63,9 @@ struct verdict {
     const char *what;       /* the total or profile that has this difference */
 };
 
-/* Lists the series of all values that cml_tally_sum_batch computes. */
+/* Lists all values by which a trial compares shape and plane: totals, profiles over r, angle and z, and the
+ * absorption of layers and bodies. A series is a name, the place of its first value and the number of
+ * values. */
 static void list_series(const struct cml_tally_grid *grid, struct series *series)
 {
     const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
@@ -219,7 +221,8 @@ static cml_status fly_and_judge(struct trial *trial, struct verdict *verdict, st
 
 /* ---- one boundary after the other ---- */
 
-/* Makes both ways' engines and tallies for a trial. */
+/* Makes an engine and a tally for each of the two ways of a trial: with the shape, and with a plane in its
+ * place. overhead: the cost of handling tallies, counted in steps of packets. */
 static cml_status open_trial(const struct cml_scene *scene, const struct cml_engine_options *options,
                              const struct cml_surface_set *ways[2], struct trial *trial,
                              struct cml_error *err)
@@ -349,7 +352,8 @@ static void tell(const struct verdict *verdict, double tolerance, struct cml_sur
         snprintf(text, room, ", as a plane %s may be off by %.2g", verdict->what, verdict->most);
 }
 
-/* Adopts the verdict on a boundary: a harmless one becomes a plane. */
+/* Acts on the result of the trials of boundary b: the boundary becomes a plane if the plane does no harm.
+ * The user is told in either case. */
 static void adopt(const struct search *search, int b)
 {
     const struct verdict *verdict = &search->verdict[b];

@@ -39,7 +39,8 @@ struct cml_row_sums {
     struct cml_once once;  /* layout of directions, in bins of all rows */
 };
 
-/* Returns the layout of the rows' sums in a tally. */
+/* Returns where the sums of the rows of a sweep lie in a tally. Binned arrays by batch come first, then
+ * grids over r and angle, r and z, directions, and r and time, as far as they exist. */
 static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
                                                   const struct cml_tally *tally)
 {
@@ -506,7 +507,8 @@ static inline void cml_rows_add_moments(const struct cml_world *world, const str
     if (deepest) cml_rows_add_moment(of, first + 2 * numbers, deepest);
 }
 
-/* Adds the light to all detectors that see it, as each row weighs it. */
+/* Adds light that leaves to all detectors that see it, once for each row of a sweep with the row's own
+ * weight; also to the detector's moments and time gates if there are any. */
 static inline void cml_rows_detect(const struct cml_world *world, const struct cml_row_light *of)
 {
     const struct cml_layout *at = &of->rows->sums->at;

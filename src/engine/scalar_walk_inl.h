@@ -32,7 +32,8 @@ struct row_walk {
     cml_u32 interactions, now;         /* the packet's interactions and weight after the last step */
 };
 
-/* Begins the rows of a packet that has been launched. */
+/* Begins a packet's weights in all rows of a sweep, and remembers the packet's state, from which later steps
+ * see what has changed. */
 static inline void rows_begin(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
 {
     const struct cml_row_packet its =

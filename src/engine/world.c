@@ -34,7 +34,8 @@ void cml_owned_world_free(struct cml_owned_world *to)
     *to = (struct cml_owned_world){0}; /* zeroed, so that a caller that frees the world again does no harm */
 }
 
-/* Allocates the arrays whose sizes are known from the surfaces. */
+/* Allocates the arrays of boundaries and media that kernels read. Bodies count as boundaries here, since
+ * both have surfaces. Rings belong to boundaries made of cones, depths and horizons to bounds of meshes. */
 static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_owned_world *to,
                            struct cml_error *err)
 {
@@ -211,7 +212,8 @@ static void copy_depths(const struct cml_surface_set *from, struct cml_owned_wor
     to->world.highest = to->depths + total;
 }
 
-/* Copies the horizons of the cells of all meshes. */
+/* Copies the horizons of all meshes into the arrays that kernels read. A horizon is a slope beyond which a
+ * packet in a cell clears the rest of the mesh; seen from below first, from above behind. */
 static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     size_t first = 0;
@@ -430,7 +432,8 @@ static void set_up(const struct cml_scene *scene, const double origin[2],
     setup->r0_y = beam->radial ? (real)(origin[1] - beam->y) : setup->y0;
 }
 
-/* Makes the rows of a sweep (P16) as the walk reads them. */
+/* Makes the data of rows of a sweep that share a flight (P16): for each medium and row, by how much the
+ * row's mua exceeds the flown one, and the share that a sampled interaction adds to A(z). */
 static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                             const struct cml_engine_rows *rows, struct cml_owned_world *to,
                             struct cml_error *err)
@@ -455,7 +458,8 @@ static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tall
     return CML_OK;
 }
 
-/* Makes the scores for derivatives (P17) as the walk reads them. */
+/* Makes the scores for derivatives (P17). Each medium has two rows: one for mua, one for mus, in this order.
+ * row_more: change per cm of path; row_hits: change per scattering. */
 static cml_status make_scores(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                               struct cml_owned_world *to, struct cml_error *err)
 {

@@ -90,7 +90,8 @@ static void copy_tree(const struct cml_scene *scene, const double at[2], const s
     }
 }
 
-/* Copies the grids over bodies. A cell names a body by its medium. */
+/* Copies the grids over bodies into the form that kernels read, relative to `origin`. A cell refers to a
+ * body by the number of the body's medium, -1 for none. */
 static void copy_grids(const struct cml_scene *scene, const double origin[2],
                        const struct cml_body_grids *grids, struct cml_owned_world *to)
 {

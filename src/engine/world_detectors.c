@@ -178,7 +178,9 @@ static cml_status choose_cells(struct level *level, int **count, double *entries
     }
 }
 
-/* Adds the detectors of one level, and the grid over them. */
+/* Adds the detectors at one depth, with a grid over them: each cell lists the detectors that reach into it,
+ * so that a packet asks few. The lists lie one behind the other; next[c] first counts those of cell c, then
+ * tells where the next entry goes. */
 static cml_status add_level(struct detection *d, struct level *level, struct cml_detector_level *made,
                             struct cml_error *err)
 {

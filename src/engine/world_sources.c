@@ -141,7 +141,9 @@ static void split_specular(const struct cml_scene *scene, const struct cml_surfa
     source->between = (cml_u32)lrint(split.between * CML_WEIGHT_ONE);
 }
 
-/* Fills the shape of a source (struct cml_source). */
+/* Sets the two sizes a and b of a source by its beam's shape, in the form the drawing of places needs: for a
+ * ring the squared inner radius and the difference of squares, for a rectangle half widths, for an image the
+ * size of a pixel. */
 static void set_shape(const struct cml_beam *beam, struct cml_source *source)
 {
     const double a = beam->size[0], b = beam->size[1];
@@ -408,7 +410,8 @@ static cml_status allocate_sources(const struct cml_scene *scene, struct cml_own
     return cml_arrays_check(&to->arrays, "the beams", err);
 }
 
-/* Fills the tables and images of all beams, one behind the other. */
+/* Makes the tables of light and the sums of images of all beams in the form that kernels read. All beams
+ * share two arrays, and each source knows where its own part begins. */
 static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_world *to,
                               struct cml_error *err)
 {

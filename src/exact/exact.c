@@ -129,8 +129,9 @@ static cml_status find_spread(struct search *search, const struct cml_directions
     return CML_OK;
 }
 
-/* Computes the shares of one order and stores them as the newest. The oldest of three orders is
- * overwritten. */
+/* Computes all totals with one number of directions (order) and keeps them as the newest of the last three
+ * orders, from which errors are estimated. find_spread solves again for each part of the walks, so the
+ * energy defect of the mean is put back afterwards. */
 static cml_status solve_order(struct search *search, const struct cml_directions *directions, int order,
                               struct cml_error *err)
 {
@@ -234,8 +235,8 @@ void cml_exact_clear(struct cml_exact *exact)
     *exact = (struct cml_exact){0};
 }
 
-/* Sets search->enough if the first three orders, without which there is no estimate of errors, are too much
- * work. Does so before any of this work is done. */
+/* Estimates the work of the first LEAST_ORDERS orders, without which there is no estimate of errors. Sets
+ * search->enough if that is already too much, before any of the work is done. */
 static cml_status look_ahead(struct search *search, struct cml_error *err)
 {
     double sum = 0;
@@ -250,7 +251,8 @@ static cml_status look_ahead(struct search *search, struct cml_error *err)
     return CML_OK;
 }
 
-/* Raises the order until all errors are within the tolerance. */
+/* Computes the totals with more and more directions (orders) until all errors are within the tolerance, or
+ * the work is too much. */
 static cml_status converge(struct search *search, struct cml_exact *exact, struct cml_error *err)
 {
     CML_TRY(look_ahead(search, err));

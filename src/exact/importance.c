@@ -26,7 +26,8 @@ static int pieces_of(double d, double depth)
     return 2 + (int)(PIECES * d / depth);
 }
 
-/* Fills in the pieces of all layers, from below. */
+/* Cuts all layers into thin pieces, from below, in whose middles the importance of light is computed. The
+ * importance is read from absorption, so clear layers get a trace of it. */
 static void cut(const struct cml_medium_def *media, int layers, double depth, struct pieces *to)
 {
     double bottom = depth;

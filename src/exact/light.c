@@ -141,7 +141,8 @@ bool cml_exact_knows(const struct cml_scene *scene, double top)
     return scene->backing.kind != CML_BACKING_METAL && all_come_from_above(scene, top);
 }
 
-/* Collects the light of all beams of a scene. */
+/* Collects the light of all beams by direction: parallel beams as rays, steepest first; diffuse light as one
+ * share; cones and tables as samples of many directions. */
 cml_status cml_exact_light_create(const struct cml_scene *scene, double top, struct cml_exact_light *light,
                                   struct cml_error *err)
 {

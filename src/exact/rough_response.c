@@ -121,7 +121,8 @@ static void set_matrices(const struct work *w, struct cml_rough_matrices *to)
         }
 }
 
-/* Makes the walks of one part, from all directions on both sides. */
+/* Makes one part of the random walks among facets of a rough boundary, from every direction on both sides,
+ * and sums where they end. Directions 0 to above - 1 come from above, the others from below. */
 static void walk_part(const struct work *w, int part, double walks, struct cml_rough_matrices *to)
 {
     const struct cml_rough_plane *plane = w->plane;

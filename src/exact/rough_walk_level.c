@@ -99,7 +99,8 @@ static void walk(struct walks *w, int k, double power)
     w->stream.key[3] = 0;
 }
 
-/* Makes all walks of one call: a cml_rough_walker. */
+/* Makes all walks that start in one direction: a cml_rough_walker. back, beyond: what ends on the side of
+ * the start, and on the other side, by direction. */
 static void walk_all(const struct cml_rough_start *start, const struct cml_rough_interval *interval,
                      double *share, double *back, double *beyond)
 {

@@ -287,7 +287,8 @@ cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml
     return status;
 }
 
-/* Computes the fate of light in each direction without weight. */
+/* Computes what becomes of a ray in each direction without weight: the shares that are transmitted and that
+ * each layer absorbs. response: [1 + layers][count], count: number of these rays. */
 cml_status cml_stack_responses(const struct cml_medium_def *media, const struct cml_directions *directions,
                                int terms, int count, double *response, struct cml_error *err)
 {

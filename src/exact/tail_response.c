@@ -90,7 +90,7 @@ static double largest_change(const struct cml_flat_tail *tail, const double *old
     return change;
 }
 
-/* Raises the order until the responses of all rays have settled. */
+/* Computes the responses of all rays with more and more directions until they change by less than CHANGE. */
 static cml_status converge(const struct cml_medium_def *stack, int num_layers,
                            const struct cml_flat_tail *tail, const struct cml_exact_light *light,
                            double *response, struct cml_error *err)
@@ -177,7 +177,8 @@ static cml_status fill(const struct cml_medium_def *stack, int num_layers, struc
     return status;
 }
 
-/* Makes the table of expected values for the layers below a level. */
+/* Makes the table of what light that goes down through depth z in layer `layer` will finally give:
+ * absorption of each layer below, and transmittance (rule P15). */
 cml_status cml_tail_create(const struct cml_medium_def *media, int num_layers, int layer, double z,
                            struct cml_flat_tail *tail, struct cml_error *err)
 {

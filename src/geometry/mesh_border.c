@@ -124,7 +124,8 @@ struct depths {
     double span, mean;
 };
 
-/* Returns the range and the mean of the border's depths. */
+/* Returns the highest vertex of a mesh's border, and the span and mean of the border's depths. z points
+ * down. Depths are summed relative to the first vertex, which loses fewer digits. */
 static struct depths measure_border(const struct cml_mesh *mesh)
 {
     const double z0 = mesh->vertex[mesh->border[0]][2];
@@ -286,7 +287,8 @@ struct part {
     bool cavity;
 };
 
-/* Refuses a body with an edge that belongs to one face only. */
+/* Refuses a body whose surface is not closed: an edge that belongs to one face only has no opposite
+ * half-edge. */
 static cml_status refuse_open_edges(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -381,7 +383,8 @@ static void turn_parts(struct cml_mesh_work *work, const struct part *parts)
     }
 }
 
-/* Turns each part of a body outwards, and each cavity inwards. */
+/* Orients all facets of a body so that their normals point away from its material: outwards on parts,
+ * inwards on cavities. */
 cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -66,7 +66,8 @@ static cml_status fill_rows(struct cml_polygon_rows *rows, struct cml_error *err
     return CML_OK;
 }
 
-/* Sorts the edges of a polygon into rows of y. */
+/* Sorts the edges of a polygon into rows by y, so that a search for one y looks at few edges. Copies the
+ * points. */
 cml_status cml_polygon_rows_build(const double (*point)[2], size_t num_points, struct cml_polygon_rows *rows,
                                   struct cml_error *err)
 {

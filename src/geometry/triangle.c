@@ -123,7 +123,8 @@ static bool edges_intersect(struct view view, const double *p, const double *q, 
     return true;
 }
 
-/* Returns the contact of a segment that lies in the triangle's plane. */
+/* Says whether the segment p q, which lies in the plane of triangle t, touches t: an end inside, or a
+ * crossing with an edge. `place` becomes a common point. A segment in the plane can touch, but not cross. */
 static enum cml_contact flat_segment_contact(const double *p, const double *q, const double *const t[3],
                                              double place[3])
 {

@@ -100,7 +100,9 @@ static const struct {
                             .base = offsetof(struct cml_scene, directions),
                             .line = offsetof(struct cml_scene, directions.line)}};
 
-/* Reads a keyword line that concerns the whole run. */
+/* Reads a keyword line that concerns the whole run, such as `map` or `time`, by the row of run_lines for its
+ * kind. Most lines have only keys, which the table describes; a few have a reader. `line` in the row is the
+ * scene's member that remembers the line, so that a second one is refused. */
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {

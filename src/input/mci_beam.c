@@ -158,7 +158,8 @@ static cml_status read_beam_shape(const struct cml_mci_line *line, struct cml_be
     return read_image(line->reader, word, beam);
 }
 
-/* Reads the value of the option `light`. */
+/* Reads the angular distribution of a beam's light: a word, na:X with a numerical aperture, or the quoted
+ * name of a file with a table. */
 static cml_status set_light(struct cml_mci_line *line, struct cml_light *light)
 {
     static const char *const words[] = {"parallel", "lambertian", "isotropic"};
@@ -241,7 +242,8 @@ static cml_status fail_beam(const struct cml_mci_reader *reader, const struct cm
     return cml_fail_field(reader->err, scene->file, scene->beams[k].line, field, value, expected);
 }
 
-/* Checks that light which starts above all surfaces goes down. */
+/* Refuses light of beam k that would go upwards although the beam starts above all surfaces, and an aperture
+ * larger than the index of the medium allows. */
 static cml_status check_light(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];

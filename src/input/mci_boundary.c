@@ -116,7 +116,8 @@ static cml_status read_samples(struct samples *samples, int *n)
     return fail_sample(samples, "number after the last spacing", word, expected);
 }
 
-/* Sums the spacings of the file to radii, which the boundary needs. */
+/* Makes the radial heightfield of a boundary from the file's pairs "height, spacing": the radius of a sample
+ * is the sum of the spacings before. Radii and heights are scaled to cm. */
 static cml_status sum_radii(const struct samples *samples, struct cml_boundary *boundary)
 {
     const size_t n = samples->num_values / 2;
@@ -293,7 +294,8 @@ static cml_status set_spectrum(const struct cml_mci_line *line, double *hurst)
     return cml_mci_fail_value(line, line->key->noun);
 }
 
-/* Reads an option of an `m` line of type CML_KEY_OWN. */
+/* Reads the options of a line `m` that need their own code: units, spectrum, tile, and the number of points
+ * of a random relief, a power of 2 from 16 to 8192. */
 static cml_status set_m_option(struct cml_mci_line *line)
 {
     struct m_line *m = line->context;

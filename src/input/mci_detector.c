@@ -65,7 +65,9 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
 
 /* ---- options ---- */
 
-/* Reads the option `name`. */
+/* Reads the name of a detector: letters, digits and underscores. A name with an ending that results of
+ * detectors use, such as "_t" in detector_NAME_t, is refused, because two results could then have one
+ * name. */
 static cml_status set_name(struct cml_mci_line *line)
 {
     struct cml_detector_def *detector = line->context;
@@ -194,7 +196,8 @@ static int compare_names(const void *a, const void *b)
     return order ? order : (*one > *other) - (*one < *other);
 }
 
-/* Refuses two detectors of one name. */
+/* Refuses two detectors with the same name. Sorting makes equal names neighbours, so thousands of detectors
+ * are checked quickly. */
 static cml_status check_names(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     if (scene->num_detectors < 2) return CML_OK;

@@ -54,7 +54,8 @@ static int which_word(const char *words, const char *value)
     return -1;
 }
 
-/* Stores the value of the option read last in its member. */
+/* Stores the value of the option that was read last in the struct member that its key names, by the key's
+ * type. `base` is the struct. */
 static cml_status take_value(struct cml_mci_line *line, void *base)
 {
     const struct cml_key *key = line->key;
@@ -108,7 +109,8 @@ cml_status cml_mci_options(struct cml_mci_line *line)
     return CML_OK;
 }
 
-/* Each number is parsed by itself, by the strict conversion. */
+/* Reads `count` numbers with commas between and no blanks, like "0.1,2". Returns false for anything else, or
+ * a number out of range. */
 bool cml_mci_parse_list(const char *text, int count, double *values)
 {
     static const struct cml_key length = {.least = -CML_MCI_HUGE, .most = CML_MCI_HUGE};

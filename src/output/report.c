@@ -99,7 +99,8 @@ static void print_rare(FILE *stream, const struct cml_result *result, int k)
         fprintf(stream, ", of %d of %d batches: too few to trust", batches, CML_NUM_BATCHES);
 }
 
-/* Prints the value of each detector. */
+/* Prints what each detector has seen, with its error. A detector that saw nothing gets a hint why. After
+ * MOST_MEDIA detectors, only the number of the others is printed. */
 static void print_detected(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;
@@ -162,7 +163,8 @@ void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const str
     fprintf(stream, ", errors <= %.1g\n", cml_exact_worst(exact));
 }
 
-/* Prints rare events, one line each, if they happened. */
+/* Prints warnings of rare events that happened in the run: lost packets with the command that traces them,
+ * limited splits, and weight outside of the grid. run: the number of the run in its file. */
 static void print_rarities(FILE *stream, const struct cml_result *result, double run)
 {
     static const struct {
@@ -213,8 +215,8 @@ static void print_seconds_to(FILE *stream, const struct cml_report *report)
     if (before[0] == ',') fputc('\n', stream);
 }
 
-/* Prints the expected values beside the counted ones, and how many times the photons their errors are worth.
- */
+/* Prints the expected values, which have smaller errors than the counted totals, and how many times the
+ * photons a counted total would need for the same error. */
 static void print_expected(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *sums = report->sums;

@@ -147,7 +147,8 @@ static cml_status grow(struct cml_body_faces *drawn, size_t points, size_t faces
     return cml_fail_memory(err, (double)((to->num_faces + faces) * sizeof *drawn->face), "faces of bodies");
 }
 
-/* Adds the triangles of body k to the drawing. */
+/* Appends the triangles of body k to the drawing of all bodies. Each drawn face remembers its body, the
+ * scored facet that it belongs to, and the facet's area: a drawn sphere has many faces, but one facet. */
 static cml_status add_body(const struct cml_report *report, int k, const struct cml_mesh *mesh,
                            struct cml_body_faces *drawn, struct cml_error *err)
 {

@@ -143,7 +143,8 @@ static void name_boundary(int b, char prefix[PREFIX])
     snprintf(prefix, PREFIX, "boundary%d_", b);
 }
 
-/* Fills the list with all fields of the .h5. */
+/* Collects all fields that the .h5 of a run contains: maps, voxels, light outside of them, detectors,
+ * bodies, and what belongs to each boundary. */
 static void fill_list(struct cml_field_list *list)
 {
     char prefix[PREFIX];
@@ -249,7 +250,7 @@ static cml_status write_mco(const struct cml_report *report, const char *path, s
     return cml_mco_write(path, &outcome, err);
 }
 
-/* Writes a file with the writer of its content. */
+/* Writes one file of a run, by its content. */
 static cml_status write_file(struct cml_report *report, const struct cml_report_file *file, const char *path,
                              struct cml_error *err)
 {

@@ -203,7 +203,8 @@ static void set_saved(json_t *object, const struct cml_report *report)
                                   (json_int_t)kept.found, "covers", (json_int_t)report->covers));
 }
 
-/* Prints the record of a run as one object on one line. */
+/* Prints the result of a run as one JSON object on one line, for --json. Long lists stand as null in the
+ * object and are filled in when it is printed. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
     const struct cml_provenance *provenance = report->provenance;

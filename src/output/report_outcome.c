@@ -153,7 +153,8 @@ static double scale_of(const struct cml_report *report, int k, bool by_mus)
     return ends || mut > 0 ? -1 / cml_score_unit(mut) : NAN;
 }
 
-/* Sets column k of a derivative from the sums of its score. */
+/* Fills column k (a medium) of the derivative `quantity` from the sums of the medium's score. `scale` turns
+ * a score into a derivative and may be negative, hence fabs for the error. */
 static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity quantity, int k, double scale,
                               struct cml_outcome *o, struct cml_error *err)
 {
@@ -170,7 +171,8 @@ static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity 
     return CML_OK;
 }
 
-/* Computes the derivatives by mua or mus of medium k from its score. */
+/* Computes the derivatives with respect to mua or mus (by_mus) of medium k. The medium's score has sums like
+ * a result of its own, which are turned into quantities first. */
 static cml_status take_score(const struct cml_report *report, int k, bool by_mus, struct cml_outcome *o,
                              struct cml_error *err)
 {
@@ -212,7 +214,8 @@ static cml_status fill_derivatives(const struct cml_report *report, struct cml_o
 
 /* ---- the whole outcome ---- */
 
-/* Fills the outcome; steps that may fail come first. */
+/* Computes all that .mco and .h5 of the run contain besides fields. Steps that can fail for lack of memory
+ * come first. */
 static cml_status fill(struct cml_report *report, struct cml_error *err)
 {
     struct cml_outcome *o = &report->outcome;

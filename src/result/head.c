@@ -23,7 +23,8 @@ struct reader {
     bool classic; /* the file is from --classic: it ends behind MCML's sections, without a mark */
 };
 
-/* Returns the next line that is not just a comment; NULL at the end. */
+/* Returns the next line of an .mco that holds more than a comment; NULL at the end. On the way, notes the
+ * run's identity, which stands in the comment with the user time. */
 static char *next_line(struct reader *r)
 {
     char *line;
@@ -100,7 +101,8 @@ static bool read_head(struct reader *r)
     return true;
 }
 
-/* True if the rest of a file of this program is whole. */
+/* True if the rest of an .mco is complete: every line sound, all sections and numbers there, and the mark of
+ * the end as the last line. Files of --classic have no such mark. */
 static bool is_whole(struct reader *r)
 {
     bool may_be_key = false;

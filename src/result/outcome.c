@@ -13,7 +13,7 @@
 
 /* ---- sizes ---- */
 
-/* Looks up the number of bins by the kind of the axis. */
+/* Returns the number of bins of an axis, such as layers or radii. */
 int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
 {
     const int bins[CML_NUM_AXES] = {[CML_AXIS_layer] = o->num_layers,
@@ -281,7 +281,8 @@ static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sum
     return sums->array[info->sums] != NULL;
 }
 
-/* Fills in a quantity and, if it has any, its standard errors. */
+/* Computes a quantity from the sums of a run, with its standard errors unless the sums cannot give them
+ * (`alone`: one copy of the array). Nothing is done for a quantity that was not tallied. */
 static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                        struct cml_error *err)
 {

@@ -192,7 +192,7 @@ static bool get(struct source *source, void *data, uint64_t count, size_t size)
     return true;
 }
 
-/* Compares the whole file with the checksum at its end. */
+/* Compares the whole file with the checksum at its end, and goes back to the beginning. */
 static cml_status check_sum(struct source *source, struct cml_error *err)
 {
     enum { BLOCK = 1 << 16 };

@@ -187,7 +187,7 @@ static void add_result(struct cml_result *to, struct cml_result *from)
     if (to->saved) add_saved(to->saved, from->saved);
 }
 
-/* Refuses a part of which turns are still open. */
+/* Refuses a part that has not flown all its photons. `open`: photons of the run that nobody has flown. */
 static cml_status check_finished(const struct cml_part_file *file, struct cml_ranges *open,
                                  struct cml_error *err)
 {

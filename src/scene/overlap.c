@@ -66,7 +66,9 @@ static void make_tile(struct shape *shape, const struct cml_heightmap *tile, dou
     set_range(shape, tile->h, (size_t)tile->nx * (size_t)tile->ny, z);
 }
 
-/* Makes the shape of a boundary, in the simplest form that equals it. */
+/* Makes the form of boundary `number` that the search for overlaps compares: plane, radial heightfield, tile
+ * or sheet of triangles. A shape whose heights are all equal becomes a plane, which is quickest to
+ * compare. */
 static cml_status make_shape(const struct cml_boundary *boundary, int number, struct shape *shape,
                              struct cml_error *err)
 {
@@ -166,7 +168,8 @@ static cml_status fail_self(const struct cml_scene *scene, const struct shape *s
                                                           : " (expected a surface that does not)");
 }
 
-/* Compares two mesh boundaries. */
+/* Refuses two neighbouring mesh boundaries that cross or touch, or of which the lower one lies above. The
+ * message names the two triangles or how deep the upper boundary reaches. */
 static cml_status compare_sheets(const struct cml_scene *scene, const struct shape *upper,
                                  const struct shape *lower, struct cml_error *err)
 {

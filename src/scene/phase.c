@@ -162,7 +162,8 @@ double cml_phase_below(const struct cml_phase *phase, double x)
     }
 }
 
-/* Returns the density of the light over the deflection at x. */
+/* Returns the density of scattered light over the deflection x = 1 - cos(theta), which runs from 0 to 2.
+ * `number` holds the parameters in the order of the .mci: g1, g2, w; g, w; g, a. */
 double cml_phase_density(const struct cml_phase *phase, double x)
 {
     const double *n = phase->number, c = 1 - x;
@@ -180,7 +181,7 @@ double cml_phase_density(const struct cml_phase *phase, double x)
     }
 }
 
-/* Returns the mean cosine of deflection, g. */
+/* Returns the mean cosine g of the deflection. */
 double cml_phase_mean(const struct cml_phase *phase)
 {
     const double *n = phase->number;

@@ -134,7 +134,8 @@ static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool 
     }
 }
 
-/* Copies a scene. Shapes, bodies and tables are shared, not copied. */
+/* Copies a scene so that numbers of the copy can be changed. Shapes, bodies and tables are large and stay
+ * shared; texts, media and lists of boundaries, beams and detectors are copied. */
 cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, struct cml_error *err)
 {
     const size_t layers = (size_t)from->num_layers, bodies = (size_t)from->num_bodies,

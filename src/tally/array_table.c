@@ -89,7 +89,8 @@ struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell
     return bins(0);
 }
 
-/* True if a holder has an array with this condition. */
+/* True if a holder has the arrays that exist under the condition `when`. A holder is a thread's tally, a
+ * result, the profiles of batches, or a row of a sweep; rows have fewer arrays. */
 static bool exists(const struct cml_tally_grid *grid, enum cml_array_when when, enum cml_holder holder)
 {
     const bool rows = holder == CML_OF_ROW_BINS || holder == CML_OF_ROW_GRIDS,

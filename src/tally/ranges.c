@@ -32,7 +32,8 @@ static cml_status add_between(struct cml_ranges *ranges, struct cml_range range,
     return from < to ? cml_ranges_add(ranges, (struct cml_range){from, to - from}, err) : CML_OK;
 }
 
-/* Cuts each range into its parts before, within and behind `mine`. */
+/* Keeps the photons in the range `mine`, and moves the rest to `others`. Each range is cut into what lies
+ * before, within and behind `mine`. */
 cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine, struct cml_ranges *others,
                            struct cml_error *err)
 {

@@ -123,7 +123,8 @@ static void add_expected(struct cml_result *result, size_t batch, const uint64_t
                                            << (CML_EXPECTED_SHIFT - result->grid.exponent[i]);
 }
 
-/* Adds totals and profiles of a tally to those of a batch. */
+/* Adds totals and profiles of a tally to those of a batch. Moments and expected values are kept in other
+ * units and are converted. */
 static void add_to_batch(struct cml_result *result, int batch, const struct cml_tally *tally,
                          const uint64_t *sums)
 {

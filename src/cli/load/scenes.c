@@ -340,8 +340,8 @@ void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
                b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
 }
 
-/* Notes more threads than cores, which take turns and are slow; the usual mistake under mpiexec. Only rank 0
- * notes it. */
+/* Notes on rank 0 that there are more threads than cores, which slows a run: a usual mistake under mpiexec,
+ * which binds processes to one core. */
 static void warn_of_binding(int threads)
 {
     struct cml_cores cores;

@@ -97,7 +97,7 @@ static cml_status refuse_unknown(const struct words *words, struct cml_error *er
     return cml_fail(err, CML_E_INPUT, "unknown option %s (did you mean --%s?)", words->typed, meant);
 }
 
-/* Refuses an option that has no effect here: its writer expected one. */
+/* Refuses an option that has no effect on this command or engine, because the user expected one. */
 static cml_status check_belongs(const struct words *words, const struct cml_options *options,
                                 struct cml_error *err)
 {
@@ -140,7 +140,8 @@ static const char *misspelt_command(const struct cml_options *options)
     return is_scene ? NULL : cml_command_guess(word);
 }
 
-/* Refuses too many operands; two scenes are the usual mistake. */
+/* Refuses a wrong number of operands. The usual mistakes, no scene or two scenes, get messages of their own;
+ * others get the usage. */
 static cml_status refuse_operands(const struct cml_options *options, struct cml_error *err)
 {
     const struct cml_command_def *command = &cml_commands[options->which];
@@ -170,7 +171,7 @@ static cml_status refuse_fit(int argc, char **argv, const struct cml_options *op
 
 /* ---- reading ---- */
 
-/* Sets all options whose default is not zero. */
+/* Sets the defaults of all options: those not named here are 0, false or NULL. */
 static void set_defaults(struct cml_options *options)
 {
     *options = (struct cml_options){.engine = cml_engine_find("cpu")};

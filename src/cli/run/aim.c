@@ -92,7 +92,8 @@ static bool wants_packets(const struct cml_scene *scene)
     return scene->map.nx > 0 || scene->facets || scene->directions.nt > 0 || scene->saved.limit > 0;
 }
 
-/* Makes the windows of an aim, which split packets. */
+/* Makes the weight windows of an aim, for one detector or for light below some layers. Windows split
+ * packets, so results that need whole packets are refused. */
 static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
                               const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                               struct wanted wanted, struct cml_window_table *windows, struct cml_error *err)
@@ -151,7 +152,8 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
-/* Makes an aim for the depths at which the surfaces really lie. */
+/* Makes what --aim needs. Layers are taken as thick as they are between the mean depths of their surfaces.
+ * tail: also make the table of the flat tail, which takes longer. */
 static cml_status create_of(const char *aim, const struct cml_scene *scene,
                             const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
                             struct cml_error *err)

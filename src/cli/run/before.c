@@ -250,7 +250,7 @@ static void note_old_part(const char *path)
     cml_show_note(NULL, text);
 }
 
-/* Notes beams whose share is too small for one photon. */
+/* Notes beams that get none of the photons because their share is too small. */
 static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
 {
     struct cml_error ignored;

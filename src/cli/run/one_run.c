@@ -471,7 +471,8 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
     return CML_OK;
 }
 
-/* Does all that may fail on one rank alone, before the ranks agree. */
+/* Prepares a run: surfaces, memory, aim, identity, and a look at files that exist. All this may fail on one
+ * rank alone, hence it comes before the ranks agree to fly. */
 static cml_status prepare(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     struct cml_options options = *call->options;
@@ -495,7 +496,8 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     return CML_OK;
 }
 
-/* Returns the setup of a run, as far as the call knows it. */
+/* Returns the setup of a run as far as options and scene decide it. Surfaces, aim and identity are added
+ * when they are known. */
 static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
 {
     const struct cml_options *options = call->options;

@@ -122,7 +122,8 @@ static cml_status check_writable(const char *path, const char *suffix, struct cm
     return CML_OK;
 }
 
-/* Refuses, without HDF5, all that only an .h5 file could hold. */
+/* Refuses, in a program without HDF5, every line and option whose results only an .h5 file can hold.
+ * `asked`: lines of the scene, 0 if absent. */
 static cml_status check_format(const struct cml_options *options, const struct cml_scene *scene,
                                struct cml_error *err)
 {
@@ -203,7 +204,8 @@ static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struc
     return add_lock(outputs, name, err);
 }
 
-/* Locks the files of one run. */
+/* Locks the files of one run for this process: its result, its file of saved packets, or the file of its
+ * part. */
 static cml_status lock_run(const struct cml_options *options, const struct cml_scene *scene,
                            struct cml_outputs *outputs, struct cml_error *err)
 {
@@ -236,7 +238,8 @@ static cml_status check_places(const struct cml_outputs *outputs, size_t first, 
 
 /* ---- would files be destroyed? ---- */
 
-/* True if the path leads to a file of another program. An empty, cut or damaged file may be ours. */
+/* True if a file was written by another program: its first bytes differ from those of every kind of file
+ * that this program writes. An empty, cut or damaged file may be ours. A table (.csv) has no such mark. */
 static bool is_strange(const struct cml_output_file *file)
 {
     static const char *const ours[] = {CML_CHECKPOINT_MAGIC, CML_MCO_FIRST_LINE, "\211HDF\r\n\032\n",
@@ -253,7 +256,8 @@ static bool is_strange(const struct cml_output_file *file)
     return strange || (size > 0 && first > 0 && cml_hdf5_is_foreign(file->name));
 }
 
-/* Refuses to replace a file of other content, which --part and --resume would take for an older state. */
+/* Refuses to replace a file that another program wrote, where --part and --resume would take it for an
+ * earlier state of the run. */
 static cml_status check_strange(const struct cml_options *options, const struct cml_outputs *outputs,
                                 struct cml_error *err)
 {
@@ -277,7 +281,8 @@ static int compare_files(const void *a, const void *b)
     return names != 0 ? names : (one->run > other->run) - (one->run < other->run);
 }
 
-/* Refuses two runs that write the same file. */
+/* Refuses two runs that would write the same file. Files are sorted by name, so equal names are
+ * neighbours. */
 static cml_status check_distinct(const struct cml_outputs *outputs, const struct cml_scene_list *list,
                                  struct cml_error *err)
 {
@@ -306,7 +311,8 @@ static cml_status fail_input(const struct cml_options *options, const struct cml
                     scene->file, scene->line, scene->output, input);
 }
 
-/* Refuses an output that would overwrite an input. */
+/* Refuses a result that would overwrite one of the files that were read. "-" is standard input, which nobody
+ * can overwrite. */
 static cml_status check_inputs(const struct cml_options *options, const struct cml_outputs *outputs,
                                const struct cml_scene_list *list, const struct cml_inputs *inputs,
                                struct cml_error *err)
@@ -347,7 +353,8 @@ static bool result_stays(const struct cml_options *options, const struct cml_sce
     return stays;
 }
 
-/* True if all rows of a sweep stay: its tables are then written again, unchanged. */
+/* True if the results of all rows of a sweep stay. The tables of the sweep are then written again with the
+ * same content. */
 static bool all_stay(const struct cml_options *options, const struct cml_scene_list *list)
 {
     int run = 0;

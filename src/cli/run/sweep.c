@@ -279,7 +279,8 @@ static int scattering_column(const struct cml_sweep_table *table, int medium, co
     return -1;
 }
 
-/* Finds the rows that may share a flight. */
+/* Finds which rows of a sweep may share a flight: those that differ only in absorption. For each column,
+ * tells cml_sweep_group which medium it belongs to and which column sets the medium's scattering. */
 static cml_status group_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_sweep_table *table = &sweep->table;
@@ -338,7 +339,8 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 
 /* ---- flying ---- */
 
-/* A cml_sweep_fly_function: flies and publishes one row. */
+/* Flies one row of a sweep and writes its result. It is the cml_sweep_fly_function of cml_sweep_rows_fly;
+ * `context` is the sweep. */
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
     struct cml_sweep_run *sweep = context;
@@ -397,7 +399,7 @@ static cml_status write_tables(const struct cml_sweep_run *sweep, const struct c
     return CML_OK;
 }
 
-/* Writes the tables of the sweep, on rank 0. */
+/* Writes the tables of a finished sweep on rank 0, with the names of files and the seeds of all rows. */
 static cml_status publish(const struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_scene *base = &sweep->base->scenes[0];

@@ -254,7 +254,8 @@ cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_
     return status;
 }
 
-/* Flies a group of rows and publishes them. */
+/* Flies group `number` of rows, which share one flight, and writes a result for each row. `looks`: `merge`
+ * only checks which parts belong to the run, so there are no records. */
 static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_error *err)
 {
     struct cml_options options = *sweep->options;

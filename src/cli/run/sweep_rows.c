@@ -178,7 +178,8 @@ static void print_all(const struct cml_sweep_rows *rows, const struct row_report
     fflush(stdout);
 }
 
-/* Gathers the JSON objects of all ranks on rank 0, and prints them. */
+/* Collects the JSON records of all rows on rank 0 and prints them in the order of rows. All ranks send texts
+ * of equal size, that of the longest. */
 static cml_status gather_json(const struct cml_sweep_rows *rows, const struct row_report *all,
                               struct cml_error *err)
 {

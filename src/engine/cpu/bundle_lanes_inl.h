@@ -342,7 +342,8 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     f->ended |= CML_LANE_BIT(i);
 }
 
-/* Ends the lane's packet where it is; lost, if there is a cause (P9). */
+/* Ends the packet of lane i at its present place. `cause` says why a lost packet was given up (P9). The end
+ * is collected with others and scored later. */
 static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum cml_lost_cause cause)
 {
     const struct cml_bundle *b = f->b;

@@ -117,7 +117,8 @@ static void cml_mark_exits(const struct cml_flight *f, int first, cml_u32 exits)
     }
 }
 
-/* Books rows of lanes that are about to interact in another gate (P16), if rows have A_t. */
+/* Books the absorption of rows of a sweep (P16) for lanes whose packets interact in a later time gate than
+ * at their last booking, so that each gate gets its own share. Only if rows have A_t, absorption by time. */
 static void cml_keep_time_of_rows(struct cml_flight *f)
 {
     _Alignas(64) real since[CML_LANES];

@@ -37,7 +37,8 @@ static inline struct cml_frame cml_plane_frame(real side)
     return cml_frame_about(against);
 }
 
-/* Adds the walk of lane i to the others. */
+/* Adds lane i to the walks among facets of rough boundaries, which are made for many lanes at a time. Copies
+ * what the walk needs: direction, indices on both sides, and the lane's random draws. */
 static void cml_begin_rough_walk(struct cml_flight *f, int i, real alpha)
 {
     struct cml_rough_lanes *w = f->rough;

@@ -460,7 +460,8 @@ static int cml_interact_lanes(const struct cml_world *world, struct cml_bundle *
     return tally ? cml_bundle_interact(setup, b) : cml_bundle_scatter(setup, b);
 }
 
-/* Does the interactions of a pass. */
+/* Does the interactions of all lanes that have one in this pass: absorption, scattering, deposits, and
+ * roulette or weight windows for lanes of low weight. */
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;

@@ -256,7 +256,8 @@ static bool take_part(struct cpu_fates *fates, uint64_t *begin, uint64_t *size)
     return true;
 }
 
-/* Finds the ends of packets, part after part, in one thread. */
+/* Finds the ends of packets on one thread, part after part, until all parts are taken. Only the first thread
+ * that fails reports its error. */
 static void trace_parts(void *context, int number)
 {
     (void)number;

@@ -128,7 +128,8 @@ static cml_status open_flights(const struct cml_opencl_device *devices, int coun
     return CML_OK;
 }
 
-/* Refuses scenes that devices cannot fly, and opens all devices. */
+/* Opens the chosen OpenCL devices for a scene. Refuses meshes, maps and --aim first, which devices do not
+ * support. */
 static cml_status open_engine(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                               const struct cml_engine_options *options, struct opencl_engine *engine,
                               struct cml_error *err)

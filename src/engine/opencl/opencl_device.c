@@ -187,7 +187,8 @@ static bool next_number(const char **cursor, int *number)
     return cml_parse_int(word, number);
 }
 
-/* Fills numbers[most] with the devices that the text names. */
+/* Reads the value of --device, like "0,2", into numbers[most]; *count becomes how many. Refuses numbers of
+ * devices that do not exist (`devices`: how many there are). */
 static cml_status parse_selection(const char *wanted, int devices, int *numbers, int most, int *count,
                                   struct cml_error *err)
 {

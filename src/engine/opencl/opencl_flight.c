@@ -262,7 +262,8 @@ static cml_status set_arguments(const struct cml_opencl_scene *scene, const stru
     return CML_OK;
 }
 
-/* Opens the device in steps, each of which needs those before it. */
+/* Opens one device: sizes, context, queue, compiled kernel, buffers, arguments. Each step needs the ones
+ * before it. On failure the caller releases what was made. */
 static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                               struct cml_error *err)
 {

@@ -123,7 +123,7 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
                    "a name without quotation marks, which is set: those in quotation marks are labels", err);
 }
 
-/* Reads the line of names, the first line of the table. */
+/* Reads the first line of the table of a sweep: the names of the columns. */
 static cml_status read_header(struct cml_sweep_table *table, struct cml_error *err)
 {
     char *line = next_line(&table->text);

@@ -54,7 +54,8 @@ static void put_size(FILE *out, uint64_t bytes)
     fwrite(&bytes, sizeof bytes, 1, out);
 }
 
-/* Writes a field in blocks, so that it is never in memory as a whole. */
+/* Writes the numbers of a field in single precision, in blocks of BLOCK, so that a large field is never in
+ * memory as a whole. */
 static void put_field(FILE *out, const struct cml_field *field)
 {
     enum { BLOCK = 1024 };

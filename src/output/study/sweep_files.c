@@ -93,7 +93,8 @@ static int count_of(const struct cml_sweep_results *r, enum cml_recorded kind)
     return (int)most;
 }
 
-/* Writes the name of number i of a kind, such as "layer2.A". */
+/* Writes the column name of number i of a kind, such as "layer2.A". Total Tt_expected is number 0 of the
+ * expected values; those of layers follow. */
 static void name_number(const struct cml_sweep_results *r, enum cml_recorded kind, int i, char name[64])
 {
     static const char *const media[] = {
@@ -110,7 +111,8 @@ static void name_number(const struct cml_sweep_results *r, enum cml_recorded kin
         snprintf(name, 64, media[kind], i + 1);
 }
 
-/* Writes the line of column names of the .csv. */
+/* Writes the first line of the .csv: the names of swept settings, then each result with its standard error
+ * (_se). */
 static void write_names(FILE *out, const struct cml_sweep_results *r)
 {
     fputs("row", out);
@@ -129,7 +131,8 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
     fputs(",lost,file\n", out);
 }
 
-/* Writes a row. count: columns of every kind. */
+/* Writes a row of the .csv. A row that lacks a number which other rows have gets 0. count: number of columns
+ * of each kind. */
 static void write_row(FILE *out, const struct cml_sweep_results *r, const int count[CML_NUM_RECORDED],
                       int row)
 {
@@ -367,7 +370,8 @@ static bool is_numeric(const struct cml_sweep_results *r, int column)
     return true;
 }
 
-/* Adds all fields of the .h5. */
+/* Adds all fields of the sweep's .h5: results, swept settings that are no axis, numeric labels, and photons,
+ * seed, lost packets and row number. */
 static void fill(struct fields *list)
 {
     const struct grid *grid = list->grid;

@@ -178,7 +178,8 @@ static void fill_surface(const struct walk *walk, const struct triangle *t, int 
     fill_surface(walk, &half[1], depths - 1, zb, zc, zm);
 }
 
-/* Keeps a triangle as it is: fills in its heights and visits it. */
+/* Accepts a triangle of the mesh as fine enough: fills in the heights of the samples that it covers, and
+ * passes its corners to the caller. */
 static void keep_triangle(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = walk->split->map;

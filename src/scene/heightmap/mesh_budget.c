@@ -31,7 +31,8 @@ static void name(const struct cml_mesh_budget *budget, char *text, size_t size)
         snprintf(text, size, "%.512s: %s %d", budget->file, what, number);
 }
 
-/* Checks a number of triangles against the budget. */
+/* Refuses a mesh with more triangles than the budget allows; `remedy` tells the user what to do. For a mesh
+ * that takes over a second to make, sends a note. budget NULL: only the limit of all meshes counts. */
 cml_status cml_mesh_budget_check(const struct cml_mesh_budget *budget, double triangles, const char *remedy,
                                  struct cml_error *err)
 {

@@ -136,7 +136,7 @@ static void fill_band(struct filling *f, const struct part *part)
             for (int x = from[0]; x <= to[0]; x++) fill_cell(f, part, x, y, z);
 }
 
-/* Adds each triangle of a mesh as a part with a box of its own. */
+/* Adds the triangles of a body's mesh to the parts that surround cells, each with its bounding box. */
 static void add_mesh(struct filling *f, int body)
 {
     const struct cml_mesh *mesh = &f->scene->bodies[body].mesh;

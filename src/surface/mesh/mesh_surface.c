@@ -120,7 +120,8 @@ static bool make_line(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
     return true;
 }
 
-/* Calls Embree. Only the calls of versions 3 and 4 differ. */
+/* Asks Embree which boxes of triangles a ray meets; Embree calls back for each. The calls of versions 3 and
+ * 4 differ. */
 static void intersect_boxes(const struct cml_mesh_surface *surface, struct query *query,
                             struct RTCRayHit *rayhit)
 {

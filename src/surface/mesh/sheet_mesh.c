@@ -88,8 +88,9 @@ static struct shadow shadow_of(const struct lists *l, size_t facet)
     return s;
 }
 
-/* Returns how far inside the facet the middle of cell (i, j) lies, in cells; -INFINITY if a side of the facet
- * separates the two [Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996]. */
+/* Returns how far inside a facet's outline the middle of cell (i, j) lies, seen from above, in widths of a
+ * cell; -INFINITY if cell and outline are apart because a side of the facet lies between them [separating
+ * axes: Gottschalk, Lin and Manocha, 1996]. */
 static float middle_inside(const struct shadow *s, int i, int j)
 {
     const double half = 0.5 + err_apart;
@@ -162,7 +163,8 @@ static bool enter_facet(struct lists *l, size_t facet)
     return true;
 }
 
-/* Chooses square cells over the mesh's box. */
+/* Lays square cells over the mesh's box in x and y, so that there are about cells_per_facet cells for each
+ * facet. */
 static void choose_cells(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid)
 {
     const struct cml_mesh *mesh = &centred->mesh;

@@ -151,7 +151,8 @@ static int choose(const struct group *child, int children, int depth)
     return largest;
 }
 
-/* Divides a group into up to 16 children. Returns their number. */
+/* Divides a group of facets into up to CML_GROUP (16) children of a node, always splitting the child that
+ * `choose` names. Very deep down, groups are simply halved, so that the depth stays bounded. */
 static int divide(const struct builder *b, struct group child[CML_GROUP], int depth)
 {
     int children = 1;
@@ -201,7 +202,8 @@ static cml_status add_node(struct builder *b, const struct group *group, int dep
     return CML_OK;
 }
 
-/* Computes the boxes of all facets, rounded outwards to float. */
+/* Computes the bounding boxes of all facets in single precision, rounded outwards, so that no facet reaches
+ * out of its box. at: three lower sides, then three upper ones. */
 static void find_boxes(struct builder *b)
 {
     for (uint32_t i = 0; i < b->mesh->num_triangles; i++) {

@@ -162,7 +162,8 @@ static void add_sure(struct search *s, int facet, float t, float err)
     if (t + err < s->to) s->to = t + err;
 }
 
-/* Tests the facets of a leaf and adds its sure crossings and doubts. */
+/* Tests all facets of a leaf at once, and adds those that the ray surely crosses, and those where rounding
+ * leaves a doubt. `entering` is the nearest facet crossed from outside in. */
 static inline void search_leaf(struct search *s, uint32_t number)
 {
     const struct cml_tree_leaf *leaf = &s->tree->leaf[number];

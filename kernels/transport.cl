@@ -126,8 +126,8 @@ CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_
     f->lanes.flushed_w[i] = f->packets[i].w;
 }
 
-/* Loads the properties of the packet's medium into its lane, and the depths between which no boundary is
- * met. */
+/* Copies the optical properties of the packet's medium into its lane, and the depths between which a packet
+ * certainly meets no boundary. */
 CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
@@ -275,8 +275,8 @@ CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET stru
 }
 #endif
 
-/* Handles the packet's event within t (cm), the distance to its interaction: a boundary event or its end.
- * Returns 1 if it is to interact instead. */
+/* Handles what packet i meets within t (cm), the distance to its next interaction: a boundary, or the end of
+ * the packet. Returns 1 if it meets nothing and is to interact. */
 CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_deposits *to,
                                 struct cml_device_flight *f, cml_u32 i, real t)
 {
@@ -422,8 +422,8 @@ struct cml_shared {
     struct cml_stream stream;
 };
 
-/* The kernel: flies the packets of a work-item for one call, and adds the group's local tallies to the global
- * ones. */
+/* The kernel that the host calls: each work-item flies its packets for one call, and the sums in the group's
+ * fast local memory are then added to the global ones. */
 __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void cml_transport(
     const struct cml_setup setup, const struct cml_local_parts parts, const struct cml_kernel_call call,
     __global const struct cml_medium *media, __global const struct cml_surface *surfaces,

@@ -166,8 +166,8 @@ CML_FN int cml_enters_tail(const struct cml_tail *tail, int medium, real from, r
     return (medium == tail->medium) & (from < tail->z) & (z >= tail->z);
 }
 
-/* Scores the expected values of weight w that goes down through the tail's level at the cosine uz > 0
- * (P15). */
+/* Scores the expected values of weight w that goes down into the flat part of the scene at the cosine uz > 0
+ * (P15): what each layer below will absorb, and what is transmitted. */
 CML_FN void cml_score_tail(const struct cml_tail *tail, const struct cml_deposits *to, real uz, cml_u32 w)
 {
     const real square = uz * uz, light = (real)w * CML_TAIL_UNIT;
@@ -443,7 +443,8 @@ CML_FN void cml_count_bounce(const struct cml_world *world, CML_PACKET struct cm
         cml_lose_packet(packet, CML_LOST_STUCK);
 }
 
-/* Handles a packet that has reached a boundary: P5, P12 or P20, then P6. */
+/* Handles a packet that has reached a boundary: turns it (P5; P20 if rough; P12 at the backing), moves it to
+ * the hit, and takes it into the medium beyond if it goes through (P6). */
 CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                const struct cml_hit *hit)
 {
@@ -525,8 +526,7 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     }
 }
 
-/* Runs cml_boundary_event, and scores the event for fluence, facets and expected values if they are
- * wanted. */
+/* Handles a boundary event, and scores it for fluence, expected values and facets if they are wanted. */
 CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct cml_deposits *to,
                                      CML_PACKET struct cml_packet *packet, const struct cml_hit *hit)
 {

@@ -10,8 +10,8 @@
  * reason last. */
 #define FIRST_PART 400
 
-/* Writes an error message. A message that is too long for err->text keeps its first FIRST_PART bytes and its
- * end. */
+/* Writes an error message as printf does, and returns `status`. A message too long for err->text keeps its
+ * first FIRST_PART bytes and its end. */
 cml_status cml_fail(struct cml_error *err, cml_status status, const char *format, ...)
 {
     /* The whole message, before its middle is cut out. There is room for two paths. The array is static,

@@ -223,8 +223,9 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
     return status == CML_E_NUMERIC || scene->num_bodies > 0 || !cml_exact_knows(scene, 0) ? CML_OK : status;
 }
 
-/* Prints the scene, or its JSON object. The memory is measured first, before the totals of planes take some.
- */
+/* Prints what `check` found out about a scene, for people or as JSON, with the exact totals of its flat twin
+ * (planes in place of shapes) if adding-doubling can compute them. Memory is measured first, before those
+ * totals take some. */
 static cml_status show(const struct cml_options *options, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, const int *starts,
                        const struct cml_mean_shapes *mean, const struct cml_sweep_size *sweep,

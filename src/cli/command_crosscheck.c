@@ -18,7 +18,7 @@ struct dump {
     const struct cml_check_setup *setup;
 };
 
-/* A cml_check_function: writes a line for a packet whose fates differ. */
+/* Writes a line for a packet that ends differently in two of the compared runs, for --dump. */
 static void dump_packet(void *context, uint64_t photon, const struct cml_fate_record *records)
 {
     const struct dump *dump = context;

@@ -163,8 +163,9 @@ static cml_status check_media(const struct cml_scene *scene, struct cml_error *e
     return CML_OK;
 }
 
-/* Makes the scene to fly: media with a trace of absorption, and a diffuse beam from above and one from below.
- */
+/* Makes the scene that a furnace flies: the same media with a trace of absorption, by which interactions are
+ * counted, and two diffuse beams from above and below. Their shares are the squares of the indices
+ * outside. */
 static cml_status light_scene(const struct cml_scene *scene, struct furnace *f, struct cml_error *err)
 {
     const size_t media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies;

@@ -81,8 +81,8 @@ static cml_status run_scene(const struct session *session, int index, struct cml
     return status;
 }
 
-/* For `merge`: reads the parts of all runs before the first result is written. A single run reads all its
- * parts first anyway. */
+/* Reads the parts of all runs for `merge` before the first result is written, so that a missing part spoils
+ * nothing. A single run reads all its parts first anyway. */
 static cml_status look_at_parts(const struct session *session, struct cml_error *err)
 {
     struct cml_part_files *files = session->options->joined;

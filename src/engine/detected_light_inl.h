@@ -188,8 +188,9 @@ static inline void cml_add_to_detector(const struct cml_world *world, const stru
     cml_add_moments(world, light, to->moments + (size_t)k * moments);
 }
 
-/* Scores light by a share of a circle (P13): light leaves alike all about the axis, and the detector of the
- * arc counts the share of the circle that it sees. */
+/* Scores light for a detector beside the axis of a scene that is the same all about the axis (P13). Light
+ * that leaves at a distance r may leave anywhere on the circle of radius r. The detector therefore counts
+ * the share of the circle that lies in it, with less noise than counting hits. */
 static inline void cml_score_arc(const struct cml_world *world, const struct cml_light_out *light,
                                  const struct cml_seen *to)
 {

@@ -173,7 +173,9 @@ static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w,
     memory[CML_ROW_INSIDE] = path > 0 ? path : (real)0;
 }
 
-/* Adds to each score the effect of a flight of length t (cm). It is cml_rows_fly for rows that are scores. */
+/* Adds to each derivative's score the effect of a flight of length t (cm): `more` per cm, and `hits` for
+ * each scattering since the last call. Absorption on the way is added to the medium, weighted by the score.
+ * It is cml_rows_fly for derivatives. */
 static inline void cml_scores_fly(const struct cml_world *world, const struct cml_row_packet *rows,
                                   int medium, real t, cml_u32 interactions, cml_u32 before, cml_u32 left)
 {
@@ -196,9 +198,9 @@ static inline void cml_scores_fly(const struct cml_world *world, const struct cm
     }
 }
 
-/* Absorbs in all rows: the packet's weight `before` has become `left` over t (cm) in a medium, and the rest
- * of every row is absorbed there; if timed, also in the gate by_t. Factors below 1e-20 become 0, because
- * arithmetic with the smallest numbers is slow. */
+/* Absorbs a flight of length t (cm) in all rows of a sweep, each with its own mua. The packet's weight fell
+ * from `before` to `left`; a row's weight is the packet's times the row's factor. timed: also adds to the
+ * time gate by_t. Factors below 1e-20 become 0, because arithmetic with the smallest numbers is slow. */
 CML_ROWS_INLINE void cml_rows_absorb_as(int timed, const struct cml_world *world,
                                         const struct cml_row_packet *rows, int medium, real t, cml_u32 before,
                                         cml_u32 left, uint64_t *restrict by_t)
@@ -220,11 +222,9 @@ CML_ROWS_INLINE void cml_rows_absorb_as(int timed, const struct cml_world *world
     }
 }
 
-/* Books a loss by absorption in all rows (cml_rows_absorb_as), divided among the gates that the optical
- * path `path` crosses. The packet's own loss since its last booking goes to the gate of that booking,
- * because a packet is booked at its first interaction in any other gate. Rows lose weight all along the
- * path. The places where gates cut the path have the rounding of times; the length of the path is not
- * changed. */
+/* Absorbs a flight in all rows, as cml_rows_absorb_as does, and divides the loss among the time gates that
+ * the flight crosses. path: optical path, cm. The packet's own loss goes to the first gate, because a packet
+ * is handled at its first interaction in each later gate; rows lose weight all along the path. */
 static inline void cml_rows_absorb_by_time(const struct cml_world *world, const struct cml_row_packet *rows,
                                            int medium, real path, cml_u32 before, cml_u32 left)
 {
@@ -390,8 +390,9 @@ static inline void cml_rows_backing(const struct cml_row_packet *rows, cml_u32 b
     cml_rows_change(rows, before, after, CML_BALANCE_BACKING, CML_BALANCE_BACKING);
 }
 
-/* Adds a packet that has left to all rows. Scores have no sums over both radius and angle. timed: 1 if there
- * are gates. */
+/* Adds a packet that leaves the scene to the totals and profiles of all rows, with each row's weight.
+ * scores: 1 if the rows are scores for derivatives, which have no sums over both radius and angle; timed: 1
+ * if there are time gates. */
 CML_ROWS_INLINE void cml_rows_leave_as(int scores, int timed, const struct cml_setup *setup,
                                        const struct cml_row_packet *rows, const struct cml_exit *exit,
                                        real unit)
@@ -470,8 +471,8 @@ static inline uint64_t *cml_row_radius_and_gate(const struct cml_setup *setup,
     return sums->radii + (exit->up ? 0 : sums->transmitted_rt) + cell * (size_t)sums->count;
 }
 
-/* Adds the light, as each row weighs it, times a number to both parts of the rows' moments. The number counts
- * units of 2^-16. */
+/* Adds weight times `number` to a moment (such as the mean depth) of each row. number: in units of 2^-16. A
+ * moment needs more than 64 bits, so its sum has a lower and an upper part, which lie `count` cells apart. */
 static inline void cml_rows_add_moment(const struct cml_row_light *of, size_t bin, uint64_t number)
 {
     const struct cml_row_packet *rows = of->rows;

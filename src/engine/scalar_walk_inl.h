@@ -77,8 +77,9 @@ static inline void rows_keep_time(const struct cml_world *world, struct row_walk
         rows_fly(world, rows, its, packet, rows->now);
 }
 
-/* Books rows after a step, at the same events as lanes of a bundle (cml_flush_deposits): not on the way out
- * and back in. */
+/* Updates the weights of all rows of a sweep after a step of a packet: absorption, roulette and the backing.
+ * Rows are updated at the same events as by the vector loops (cml_flush_deposits), so that both add the same
+ * rounded numbers. */
 static inline void rows_step(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
 {
     const struct cml_row_packet its =
@@ -189,7 +190,8 @@ struct tracing {
     cml_u32 rough_draws; /* the packet's rough_draws at its last event */
 };
 
-/* Passes an event of kernels/walk.h on to the listener, in the coordinates of the scene. */
+/* Passes an event of the walk on to the listener of a trace, in coordinates of the scene. If the packet has
+ * walked over facets of a rough boundary meanwhile, an event "rough" with their number comes first. */
 static void forward_event(void *context, const char *what, const struct cml_packet *packet)
 {
     struct tracing *tracing = context;

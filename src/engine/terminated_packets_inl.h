@@ -60,10 +60,10 @@ struct cml_terminated_sums {
     uint64_t deposited, deposited_above; /* all deposits; deposits of packets that were reflected */
 };
 
-/* Fills cell and scored: the cell of Rd_ra or Tt_ra in which each packet leaves (P7), and the weight it
- * scores there, 0 for a packet that did not leave. Cells count from the first of Rd_ra; those of the packet's
- * group and of Tt_ra lie fixed distances behind, so one array of sums serves all. The loop goes over all
- * entries: a loop of constant length has no remainder. */
+/* Finds for all collected packets the cell of Rd_ra or Tt_ra in which each leaves (P7), and the weight it
+ * scores there: 0 if it did not leave. One array holds the cells of Rd_ra and Tt_ra for all groups, so one
+ * number names a cell. The loop goes over all CML_TERMINATED entries: a loop of constant length has no
+ * remainder. */
 static inline void cml_terminated_find_cells(const struct cml_setup *shared,
                                              struct cml_terminated *terminated, const struct cml_tally *tally)
 {
@@ -118,9 +118,9 @@ static inline cml_u64 cml_terminated_index(const struct cml_terminated *terminat
     return (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
 }
 
-/* Adds the light that was split off the packets at their launch to the bins of directions and to detectors.
- * The light is alike for all packets. count: number of launched packets, without branches, each taken `times`
- * times. */
+/* Adds the specular light, split off all packets alike at their launch, to the bins of directions and to
+ * detectors. count: number of launched packets, without branches; times: how many packets each entry stands
+ * for. */
 static inline void cml_terminated_add_split_off(const struct cml_world *world,
                                                 const struct cml_terminated *terminated, uint64_t times,
                                                 uint64_t count, struct cml_tally *tally)

@@ -19,7 +19,7 @@ struct thread {
     const struct cml_thread_task *task;
 };
 
-/* The function of a new thread: runs the task's body. */
+/* Runs the task's body on a new thread: the function with which pthread_create starts it. */
 static void *begin(void *thread)
 {
     const struct thread *self = thread;

@@ -131,8 +131,9 @@ static void copy_roughness(const struct cml_scene *scene, const struct cml_surfa
         set_roughness(&scene->media[cml_body_medium(scene, k)].rough, &to->surfaces[from->count + k].rough);
 }
 
-/* Copies the boundaries. `steepest` is raised by more than rounding can turn a direction: a packet that
- * leaves a surface more steeply must be sure never to meet it again. */
+/* Copies the boundaries into the form that kernels read, with the rings of those made of cones. `steepest`
+ * is raised by more than rounding can turn a direction: a packet that leaves a surface more steeply must be
+ * sure never to meet it again. */
 static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const size_t total = to->num_rings;
@@ -158,8 +159,9 @@ static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_w
     to->world.ring_start = to->ring_starts;
 }
 
-/* Numbers the facets: each boundary has its range among the facets of all. outer_facets stays empty for a
- * plane, because the map of Rd or Tt already holds what escapes through its pixels. */
+/* Numbers the facets of all boundaries and bodies in one sequence, in which each has a range. outer_facets
+ * (top, bottom) stays empty for a plane, because the map of Rd or Tt already holds what escapes through its
+ * pixels. */
 static void set_facets(const struct cml_surface_set *from, const struct cml_map_def *map,
                        struct cml_owned_world *to)
 {
@@ -182,7 +184,8 @@ static void set_facets(const struct cml_surface_set *from, const struct cml_map_
         to->world.setup.outer_facets[1] = to->surfaces[last].facets;
 }
 
-/* Copies the pyramids of depth bounds of all curved surfaces, one behind the other (kernels/bounds.h). */
+/* Copies the bounds of depth of all curved boundaries, one behind the other: pyramids of cells, each level
+ * half as fine as the one before (kernels/bounds.h). */
 static void copy_depths(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const size_t total = to->depth_cells;
@@ -231,9 +234,9 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
     to->world.horizon_above = to->horizons + to->horizon_cells;
 }
 
-/* Copies the safe distances of meshes that overhang. The margin covers rounding, also for packets that are
- * outside the grid of cells by up to a safe distance. samples/manual/physics/free-paths.md derives both terms
- * of the margin. */
+/* Copies for meshes that overhang how far each cell of space is from the mesh. The margin covers rounding,
+ * also for packets that are outside the grid of cells by up to a safe distance;
+ * samples/manual/physics/free-paths.md derives both of its terms. */
 static void copy_safe_cells(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const double origin[3] = {from->origin.at[0], from->origin.at[1], 0};
@@ -271,7 +274,8 @@ static struct cml_phase_cell phase_cell_of(struct cml_phase_line line, double fr
     return outside && cell.slope >= 0 ? middle : cell;
 }
 
-/* Makes the tables of all phase functions of the scene, by their index. */
+/* Makes the tables of all tabulated and other non-standard phase functions, from which packets draw the
+ * deflection. only_tables: no medium scatters by Henyey-Greenstein's function. */
 static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_world *to,
                               struct cml_error *err)
 {
@@ -354,7 +358,8 @@ static cml_status set_tail(const struct cml_scene *scene, const struct cml_flat_
     return CML_OK;
 }
 
-/* Fills the weight windows (P19). The table of the walk holds lower ends, a third of the target weights. */
+/* Fills the weight windows (P19): for each cell, the least weight of a packet, a third of the weight that
+ * packets should have there. */
 static cml_status set_windows(const struct cml_scene *scene, const double origin[2],
                               const struct cml_window_table *from, struct cml_owned_world *to,
                               struct cml_error *err)
@@ -396,8 +401,8 @@ static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *o
     return options->below > 0 ? given : mcml;
 }
 
-/* Fills the setup: everything that does not depend on the packet. Bin widths become their reciprocals, so
- * that a bin is found by a multiplication. */
+/* Fills the setup: what does not depend on the packet, such as seed, options, grid and map. Bin widths
+ * become their reciprocals, so that a bin is found by a multiplication. */
 static void set_up(const struct cml_scene *scene, const double origin[2],
                    const struct cml_engine_options *options, struct cml_setup *setup)
 {
@@ -518,7 +523,8 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     return status;
 }
 
-/* Makes a world only if a beam starts inside, because all other beams start in medium 0. */
+/* Finds the medium in which each beam starts. The scene is prepared for the walk only if a beam starts
+ * inside; all other beams start in medium 0, above. */
 cml_status cml_source_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                             int **medium, struct cml_error *err)
 {

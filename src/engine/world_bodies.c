@@ -64,7 +64,8 @@ static void copy_body(const struct cml_scene *scene, const double origin[2],
     to->bodies[k].length = (real)convex.length;
 }
 
-/* Copies the tree of bodies. Boxes are in the precision of the kernels, enlarged by more than rounding. */
+/* Copies the search tree of bodies into the form that kernels read. Boxes are enlarged by more than rounding
+ * to the kernels' precision, so that no body reaches out of its box. */
 static void copy_tree(const struct cml_scene *scene, const double at[2], const struct cml_body_tree *tree,
                       struct cml_owned_world *to)
 {

@@ -89,7 +89,8 @@ static double light_between(double a, double b, double t0, double t1)
            ((a + b * t0) * sin(t0) + 4 * (a + b * middle) * sin(middle) + (a + b * t1) * sin(t1));
 }
 
-/* Appends the lit cells between two rows of a table. *below: the light of all cells before. */
+/* Appends the cells of a light's table between two of its rows, from which packets draw their angle; dark
+ * cells are left out. *below: the light of all cells before. Returns the number of cells. */
 static int cut_row(const struct cml_light *light, int row, struct cml_light_cell *cell, double *sum,
                    double *below)
 {
@@ -290,8 +291,8 @@ static double way_to_level(const struct cml_beam *beam, const double level[2])
     return 0;
 }
 
-/* Places a far source: its packets start where its axis comes to the scene, which is found in double
- * precision. */
+/* Places a source that is far from the scene: packets start where its axis comes to the level `level`, found
+ * in double precision. Refuses a source so far that even double precision loses the place. */
 static cml_status place_far(const struct cml_scene *scene, const struct cml_beam *beam,
                             const struct cml_surface_set *surfaces, const double level[2], double way,
                             struct cml_source *source, struct cml_error *err)

@@ -63,7 +63,7 @@ void cml_dense_add_general(int rows, int middle, int columns, const double *rest
         }
 }
 
-/* to[j] -= factor from[j] for first <= j < end */
+/* Subtracts a multiple of one row from another: to[j] -= factor from[j] for first <= j < end. */
 static void subtract(double factor, const double *restrict from, double *restrict to, int first, int end)
 {
     for (int j = first; j < end; j++) to[j] -= factor * from[j];

@@ -88,7 +88,8 @@ static double flow_out(const struct volumes *volumes, int ring, int piece)
            (border[ring + 2] - border[ring]);
 }
 
-/* Sets the matrix row of a volume, and its source: the flow into it from the detector. */
+/* Sets one row of the equations of diffusion for the importance of light: flows between volume (ring, piece)
+ * and its neighbours, absorption, and as source the flow from the detector. `band` is a band matrix. */
 static void set_row(struct volumes *volumes, int ring, int piece, struct cml_seen_ring seen)
 {
     const int n = volumes->pieces, k = ring * n + piece;

@@ -195,7 +195,9 @@ double cml_exact_node(double low, double high, int count, int i)
     return 0.5 * (low + high) + 0.5 * (high - low) * cos(CML_PI * (i + 0.5) / count);
 }
 
-/* Barycentric interpolation [Berrut, Trefethen, SIAM Review 46 (2004) 501]. */
+/* Moves the light of all samples to `count` fixed directions (nodes between `low` and `high`), so that any
+ * smooth response summed over the nodes equals the one over the samples: barycentric interpolation [Berrut,
+ * Trefethen, SIAM Review 46 (2004) 501]. x[k]: direction of sample k. */
 void cml_exact_gather(const double *x, const struct cml_exact_ray *sample, int samples, double low,
                       double high, int count, double *share)
 {

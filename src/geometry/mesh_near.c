@@ -54,8 +54,8 @@ static void compare_pair(const struct cml_mesh *mesh, struct corner *a, struct c
     b->nearest = fmin(b->nearest, distance);
 }
 
-/* Compares the corners of one-faced edges, sorted along one axis, and adds to the refusal in *err how many of
- * them nearly meet another corner. */
+/* Adds to the refusal of an open mesh how many corners of its open edges nearly meet another corner: a usual
+ * fault, which a mesh editor repairs. Corners are sorted along one axis, so that few pairs are compared. */
 void cml_mesh_tell_near_corners(const struct cml_mesh_work *work, size_t num_triangles, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;

@@ -76,8 +76,8 @@ static cml_status pair_incidents(struct cml_mesh_work *work, struct incident *in
     return CML_OK;
 }
 
-/* Finds all opposite half-edges. Sorting all half-edges by both ends would be shorter code, but took 0.28 s
- * for a mesh of 1e6 triangles; counting takes 0.05 s. */
+/* Finds for every half-edge the opposite one, in the triangle on the other side of the edge. Counting edges
+ * by vertex takes 0.05 s for 1e6 triangles; sorting took 0.28 s. */
 cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -101,8 +101,9 @@ cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err
 
 enum { KEPT, FLIPPED, UNVISITED };
 
-/* Marks the unvisited neighbours of triangle t as kept or to be reversed, and queues them. Two triangles
- * agree if their common edge runs in opposite directions in them. */
+/* Marks the neighbours of triangle t as kept or to be reversed, and queues those not visited before. Two
+ * triangles agree if their common edge runs in opposite directions in them; a contradiction means that the
+ * mesh has only one side. */
 static cml_status visit_neighbours(const struct cml_mesh_work *work, uint32_t t, uint8_t *state,
                                    uint32_t *queue, size_t *tail, struct cml_error *err)
 {

@@ -126,8 +126,9 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
     return cml_mci_options(&line);
 }
 
-/* Goes to the next data line and reads the keyword lines before it. field: the meaning of the data line, for
- * messages. b: the number of the boundary before that line, and of the layer read last. */
+/* Goes to the next data line of a run, and reads the keyword lines before it. stage: which keywords may
+ * stand here; field: the meaning of the data line, for messages; b: number of the boundary before that line,
+ * and of the layer read last. */
 static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage, struct cml_scene *scene,
                                  int b, const char *field)
 {

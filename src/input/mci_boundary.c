@@ -71,8 +71,9 @@ static cml_status fail_number(const struct samples *samples, size_t i, int n, co
     return fail_sample(samples, name, word, word ? expected : total);
 }
 
-/* Reads number i of 2n. A spacing so small that it does not change the radius in double is refused: the ring
- * would have no width. */
+/* Reads number i of the 2n numbers of a radial heightfield: height and spacing in turn. A spacing too small
+ * to change the radius in double precision is refused: the ring would have no width. The last spacing has no
+ * effect and may be any number. */
 static cml_status read_number(struct samples *samples, size_t i, int n)
 {
     static const struct cml_key height = {.least = -CML_MCI_HUGE, .most = CML_MCI_HUGE},

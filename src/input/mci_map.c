@@ -7,8 +7,8 @@
 
 #include <string.h>
 
-/* `top` has an effect only with `volume`; without it the line is refused, because its writer would not
- * notice. */
+/* Reads a line `map`. The option `top` has an effect only with `volume`; without it the line is refused,
+ * because the user would not notice. */
 cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_map_def *map = &scene->map;

@@ -102,8 +102,8 @@ static bool of_phase(enum cml_key_group group)
     return group >= CML_KEYS_HG2 && group <= CML_KEYS_GK;
 }
 
-/* Lists the groups of keys of the i-th owner (from 0). The group of its phase function, which media may
- * share, comes last. */
+/* Lists the groups of keys that --set can change of the i-th owner (from 0): a boundary, layer, body, beam
+ * and so on. The group of its phase function comes last. */
 static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cml_key_part *part)
 {
     if (owner == BEAM) cml_mci_beam_parts(scene, i, false, part);
@@ -155,8 +155,9 @@ static const struct cml_key *find_key(enum cml_key_group group, const char *name
     return NULL;
 }
 
-/* Finds the member *key of the struct *base that a name means; *key NULL: none. A medium whose phase function
- * is meant gets its own copy of the function. */
+/* Finds the number that a setting's name means: its key, and the struct *base that contains it. *key is NULL
+ * if there is none. A medium whose phase function is meant gets its own copy of the function, since others
+ * may share it. */
 static cml_status find_number(struct cml_mci_reader *reader, struct cml_scene *scene, const struct name *name,
                               const struct cml_key **key, void **base)
 {

@@ -271,8 +271,9 @@ static void print_trapped(FILE *stream, const struct cml_result *result)
           stream);
 }
 
-/* Output files say `books` and `residue`; the code says weight balance and imbalance (kernels/balance.h).
- * Steps are interactions and boundary events. */
+/* Prints the summary of a finished run for people: results with errors, the balance of weight, rare events,
+ * and speed. Output says `books` and `residue` for the balance and what it leaves over. Steps are
+ * interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;

@@ -76,7 +76,8 @@ static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces
     return CML_OK;
 }
 
-/* The surface must not be a plane: facets of planes are pixels, which an image shows. */
+/* Makes the faces of a boundary for a .vtp file: triangles of a mesh, quadrangles of cones. The boundary
+ * must not be a plane: facets of planes are pixels, which an image shows. */
 cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces *faces, size_t *per_facet,
                             struct cml_error *err)
 {

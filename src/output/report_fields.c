@@ -45,7 +45,8 @@ static double measure_of(const struct cml_field_source *source, size_t i)
     return source->measure ? source->measure(source, i) : 1;
 }
 
-/* A cml_field_values: the values of a field of sums, as densities. */
+/* Computes values of a field from its sums, as densities. It is one of the functions cml_field_values that
+ * writers call block by block. */
 static void sums(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -55,7 +56,8 @@ static void sums(const void *context, size_t begin, size_t count, double *out)
             cml_result_once_sum(cells_of(source, i), source->count, source->once) * k / measure_of(source, i);
 }
 
-/* A cml_field_values: the standard errors of a field of sums. */
+/* Computes standard errors of a field of sums. It is one of the functions cml_field_values that writers call
+ * block by block. */
 static void errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -102,13 +104,15 @@ static double body_facet_area(const struct cml_field_source *source, size_t i)
     return cml_body_facet_area(body, &source->report->scene->bodies[k], i - body->first);
 }
 
-/* A cml_field_values: the measures themselves, such as areas of facets. */
+/* Gives the measure of each value as a field of its own, such as areas of facets. It is one of the functions
+ * cml_field_values that writers call block by block. */
 static void measures(const void *context, size_t begin, size_t count, double *out)
 {
     for (size_t i = begin; i < begin + count; i++) *out++ = measure_of(context, i);
 }
 
-/* A cml_field_values: the number of the body of each facet, from 1. */
+/* Gives the number of the body that each facet belongs to, from 1. It is one of the functions
+ * cml_field_values that writers call block by block. */
 static void body_numbers(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -177,7 +181,8 @@ static void set_pixel_axes(struct cml_field_list *c)
 
 /* ---- the list ---- */
 
-/* Makes room for all quantities, nineteen fields of every boundary and two of every detector. */
+/* Makes an empty list of fields with room for all: every quantity, nineteen fields of each boundary, and two
+ * of each detector. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
@@ -430,7 +435,8 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
     }
 }
 
-/* The plane around a boundary has no area to divide by, so its fields are shares of the launched weight. */
+/* Adds the light at the plane around boundary b, beyond the facets, as single values. The plane has no area
+ * to divide by, so values are shares of the launched weight. Also adds the areas of facets. */
 void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_result *r = c->report->sums;

@@ -43,7 +43,8 @@ static struct cml_report_asks asks_of(const struct cml_tally_grid *grid)
     return (struct cml_report_asks){grid->absorption, grid->scores > 0 || grid->derivatives};
 }
 
-/* All files of a run share one stem, whichever of them the user has named. */
+/* Makes the name of a file of a run. All files share one stem, whichever of them the user has named;
+ * `suffix` makes the difference. */
 cml_status cml_report_path(const char *path, const char *suffix, char **result, struct cml_error *err)
 {
     return cml_text_format(result, "a path", err, "%.*s%s", (int)stem_length(path), path, suffix);

@@ -61,7 +61,8 @@ static inline __attribute__((always_inline)) void gather(const char *at, size_t 
     }
 }
 
-/* A cml_field_values: the values of one property of saved packets. */
+/* Gives one property of all saved packets as a column. It is one of the functions cml_field_values that
+ * writers call block by block. */
 static void column_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct column *c = context;

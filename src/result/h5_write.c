@@ -129,8 +129,8 @@ static cml_status write_fields(const char *path, const struct cml_outcome *o, co
     return cml_hdf5_write(path, attributes, count, &more->call, f->field, f->count, err);
 }
 
-/* Values of the fields in `more` are computed while they are written, so they are never in memory as a
- * whole. */
+/* Writes the .h5 of a result: all its quantities, and the fields in `more`, whose values are computed while
+ * they are written, so that they are never in memory as a whole. */
 cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                         struct cml_error *err)
 {

@@ -231,8 +231,8 @@ static cml_status read_head(struct source *source, struct cml_error *err)
                                                                  : fail_damaged(source, "cut short", err);
 }
 
-/* The size in the line of an input file, "53 bytes, crc32 ..." of "input x.mci of 53 bytes, crc32 ..."; NULL:
- * the line is about something else. */
+/* Returns where the size and checksum begin in an identity's line about an input file: "53 bytes, crc32 ..."
+ * in "input x.mci of 53 bytes, crc32 ...". NULL for any other line. */
 static const char *find_size(const char *line)
 {
     const char *size = NULL;
@@ -242,8 +242,8 @@ static const char *find_size(const char *line)
     return size;
 }
 
-/* Names the first line in which the two identities differ. For an input file of the same name, the message
- * says that its contents differ. */
+/* Refuses a checkpoint of another run, and names the first line in which the identities differ. For an input
+ * file of the same name, the message says that its contents differ. */
 cml_status cml_fail_other_run(const char *path, const char *theirs, const char *mine, const char *expected,
                               struct cml_error *err)
 {
@@ -369,8 +369,8 @@ static cml_status read_saved(struct source *source, struct cml_saved *saved, str
     return CML_OK;
 }
 
-/* Reads all that the tallies need. The identity fixes grid and photons, so a sound file of this run has the
- * same number of cells. */
+/* Reads the sums of a run from a checkpoint: its round, the photons not flown yet, summary, cells and saved
+ * packets. The identity fixes grid and photons, so a sound file has the same number of cells. */
 static cml_status read_tallies(struct source *source, struct cml_run_state *state, struct cml_result *result,
                                struct cml_error *err)
 {

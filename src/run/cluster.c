@@ -107,7 +107,8 @@ static cml_status join_world(struct cml_error *err)
     return cml_service_start(err);
 }
 
-/* Without a launcher MPI is not even initialised. A single rank under a launcher gets no service thread. */
+/* Begins MPI if a launcher has started the program; without a launcher MPI is not even initialised. A single
+ * rank under a launcher gets no service thread. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
     if (!cml_launcher_found()) return cml_launcher_check(1, err);
@@ -188,8 +189,9 @@ bool cml_cluster_contact_lost(void)
 
 /* ---- together ---- */
 
-/* MPI_MAXLOC finds the worst status (the largest number) and the lowest rank that has it; this rank then
- * broadcasts its message. After contact is lost, every rank returns its own status. */
+/* Returns the worst status of all ranks on all ranks, with its message. MPI_MAXLOC finds the largest status
+ * and the lowest rank that has it, which then sends its message. After contact is lost, every rank returns
+ * its own status. */
 cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
 {
     if (is_single()) return mine;

@@ -126,8 +126,8 @@ static void receive_heartbeats(void)
     }
 }
 
-/* Answers all requests, on rank 0. Each reply is waited for, with the same watch for lost ranks as every
- * other call. */
+/* Answers the requests of work that other ranks send to rank 0. Each reply is waited for, with the same
+ * watch for lost ranks as every other call. */
 static void answer_requests(void)
 {
     struct cml_work_request request;
@@ -191,8 +191,9 @@ static void check_heartbeats(void)
         if (service.clock - service.peer[i].heard > cml_ranks.timeout) atomic_store(&cml_ranks.lost_rank, i);
 }
 
-/* The service thread. Its clock advances by at most 0.1 s a round: a process that was stopped (SIGSTOP, a
- * suspended machine) must not find all others silent on waking. */
+/* Runs the service thread of a rank, which answers requests and exchanges signs of life. Its clock advances
+ * by at most 0.1 s a round: a process that was stopped for a while (a suspended machine) must not find all
+ * others silent on waking. */
 static void *serve(void *unused)
 {
     double last = cml_now();

@@ -156,9 +156,8 @@ static void place_vertex(const struct section *section, const double *v, double 
     *across = v[0] * section->direction[1] - v[1] * section->direction[0];
 }
 
-/* Finds the section of a triangle. Returns false if the triangle stands upright or the section's line misses
- * it. Over a flat triangle the gap to a cone is least where the cone's gradient, which is radial, equals the
- * triangle's: on this line. */
+/* Finds the line in a triangle over which a radial surface comes closest: where the cone's radial gradient
+ * can equal the triangle's. Returns false if the triangle is upright or the line misses it. */
 static bool find_section(const double *const v[3], struct section *section)
 {
     double normal[3];

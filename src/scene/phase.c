@@ -27,7 +27,8 @@ const char *const *cml_phase_numbers(enum cml_phase_kind kind)
 
 /* ---- tables ---- */
 
-/* Scales the densities of a table so that their integral is 1, and fills the sums `below`. */
+/* Scales the densities of a table so that their integral over the deflection is 1, and fills `below`, the
+ * integral up to each row. False if all densities are 0. */
 bool cml_phase_scale_table(struct cml_phase *phase)
 {
     const size_t bytes = (size_t)phase->rows * sizeof(double);

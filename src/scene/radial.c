@@ -83,7 +83,8 @@ static int furthest_on_line(const struct cml_radial *radial, int anchor, int n)
     return furthest;
 }
 
-/* Greedy: each line goes as far as it can. */
+/* Copies a radial heightfield without the samples that lie on a straight line between their neighbours. Goes
+ * from the axis outwards and lets each line reach as far as it can. */
 cml_status cml_radial_merge(const struct cml_radial *from, struct cml_radial *to, struct cml_error *err)
 {
     const int n = count_without_tail(from);

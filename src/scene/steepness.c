@@ -39,9 +39,8 @@ static cml_status check_radial(const struct cml_scene *scene, int b, struct cml_
     return CML_OK;
 }
 
-/* Checks every facet of a heightmap, and the height of any mesh against its width. Single facets of an .obj
- * may have any slope, because a pit has upright walls and a facet alone does not tell whether another one
- * faces it closely. */
+/* Refuses a mesh that is too steep: each facet of a heightmap, and for any mesh the whole height against the
+ * width. Single facets of an .obj may have any slope, because a pit has upright walls. */
 static cml_status check_mesh(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_mesh *mesh = &scene->boundaries[b].mesh;

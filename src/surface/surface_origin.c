@@ -214,9 +214,9 @@ static int beam_in(const struct cml_scene *scene, struct range range)
     return 0;
 }
 
-/* Adds the requirement of bins about a place. Shapes, bodies and detectors may leave no origin from which the
- * bins are resolved. Bins without light then lose nothing, so they are accepted. Bins on which a beam shines
- * are refused, because single precision would smear all results near the beam. */
+/* Adds the requirement that single precision resolves result bins of size `length` about a place. If other
+ * parts of the scene leave no origin for that, bins without light lose nothing and are accepted; bins on
+ * which a beam shines are refused. */
 static cml_status require_bins(const double at[2], double length, double extent, struct requirements *all,
                                struct cml_error *err)
 {

@@ -55,7 +55,8 @@ static size_t pixels_of(const struct cml_tally_grid *grid)
     return (size_t)grid->nx * (size_t)grid->ny;
 }
 
-/* Looks up the number of bins of each axis. An axis that the grid does not have gets no bins. */
+/* Returns the number of bins of an axis for this grid and holder, with extra cells before and behind the
+ * bins. An axis that the grid does not have gets no bins. */
 struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell_axis axis,
                                 enum cml_holder holder)
 {

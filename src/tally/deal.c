@@ -19,8 +19,8 @@ static int compare_remainders(const void *a, const void *b)
     return (x->beam > y->beam) - (x->beam < y->beam);
 }
 
-/* Gives each beam the whole part of its quota, and then one photon each to the beams with the largest
- * remainders, until all photons are dealt out. */
+/* Divides photons among beams by their shares: each beam gets the whole part of its quota, then one photon
+ * each goes to the beams with the largest remainders. */
 cml_status cml_deal_numbers(const double *share, int count, uint64_t photons, uint64_t *number,
                             struct cml_error *err)
 {
@@ -110,8 +110,8 @@ bool cml_deal_has(const struct cml_deal *deal, uint64_t photon)
            own / CML_NUM_BATCHES < of_beam(deal->after, (int)beam, own % CML_NUM_BATCHES);
 }
 
-/* Finds the beam by counting through the beams' new photons in the batch of this turn. A piece ends where the
- * beam's photons in the batch end, or before the next multiple of 2^32 points, where the lattice gets new
+/* Finds which photons belong to a turn of the run: the beam and its photons in the turn's batch. A piece
+ * ends with the beam's photons in the batch, or at a multiple of 2^32 points, where the lattice gets new
  * shifts (`sheet`: one such range of points). */
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn)
 {

@@ -40,8 +40,8 @@ static cml_u128 cell_of(const struct cml_cell_source *from, size_t i)
     return from->narrow ? from->narrow[i] : from->unit * from->wide[i * from->stride];
 }
 
-/* Adds n cells, beginning at number `first`, to n bins. Returns their sum. Most cells are 0, because a batch
- * has few packets, and most groups get no packets in one range. */
+/* Adds n cells, beginning at number `first`, to n bins of a result, and returns their sum. Skips four zeros
+ * at a time: most cells are 0, because a batch has few packets. */
 static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_t n, cml_u128 *to)
 {
     const uint64_t *narrow = from->narrow ? from->narrow + first : NULL;

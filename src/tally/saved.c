@@ -126,8 +126,8 @@ static size_t part_keys(struct key *key, size_t begin, size_t end)
     }
 }
 
-/* Quicksort that sorts only the first `most` keys. The shorter part goes to a recursive call, so the
- * recursion is shallow. */
+/* Sorts the first `most` keys of all (Quicksort that ignores ranges behind them). The shorter part goes to a
+ * recursive call, so the recursion is shallow. */
 static void sort_keys(struct key *key, size_t begin, size_t end, size_t most)
 {
     while (end - begin > 1 && begin < most) {

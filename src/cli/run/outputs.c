@@ -65,7 +65,8 @@ struct adding {
     enum cml_output_kind kind; /* kind of the next file */
 };
 
-/* A cml_report_file_function: the first file of a run is the main result. */
+/* Adds a file that a run will write to the list of outputs. The first file of a run is the main result.
+ * Called for each file by cml_report_each_file. */
 static cml_status add_file(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     struct adding *adding = context;

@@ -367,7 +367,8 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
     return status;
 }
 
-/* For `merge`: reads the parts of all rows before the first result is written. */
+/* Reads the parts of all rows for `merge` before the first result is written, so that a missing part spoils
+ * nothing. */
 static cml_status look_at_parts(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     struct cml_part_files *files = sweep->options->joined;

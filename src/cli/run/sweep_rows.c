@@ -84,7 +84,7 @@ static int hand_out(struct row_queue *queue)
     return row < queue->count ? row : -1;
 }
 
-/* A cml_cluster_handler: gives the next row to another rank. */
+/* Gives the next row to another rank that asks for one. It is the cml_cluster_handler of rank 0. */
 static void reply_to(void *context, int rank, const struct cml_work_request *request,
                      struct cml_work_reply *reply)
 {

@@ -40,9 +40,9 @@ static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct
             queue->tau[i] = cml_optical_depth(stream, next + CML_NUM_BATCHES * (uint64_t)i, 0, 0);
 }
 
-/* Counts the ballistic packets among the first `count` of the queue and drops them. All of them end alike, so
- * one end times their number is booked with their batch (cml_end_batch). The others close up; returns their
- * number. */
+/* Counts ballistic packets (that pass the first medium without an interaction) among the first `count` of
+ * the queue, and drops them: all end alike, so one end times their number is added with their batch. Returns
+ * the number of packets left. */
 static int cml_count_ballistic(struct cml_flight *f, int count)
 {
     struct cml_launch_queue *queue = &f->queue;
@@ -110,8 +110,8 @@ static int cml_take_photons(struct cml_flight *f)
     return 1;
 }
 
-/* Fills the queue if it is empty, from the range in hand or the next one. Returns 0 if there are no more
- * packets. */
+/* Fills the queue of photons to launch if it is empty, with draws, places and entry into the first layer.
+ * Returns 0 if there are no more photons. */
 static int cml_fill_queue(struct cml_flight *f)
 {
     struct cml_launch_queue *queue = &f->queue;
@@ -311,8 +311,8 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     if (b->stay) cml_for_lanes(f, (uint64_t)lanes << first, cml_begin_lane_trail);
 }
 
-/* Launches the branch that came last to the stack into a lane (P19). It stands on a surface only as a packet
- * within rounding of a mesh does. */
+/* Launches the branch that was split off last into lane i (P19). A branch of a batch that is closed counts
+ * as late. */
 static void cml_launch_branch(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;

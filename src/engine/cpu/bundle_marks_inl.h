@@ -80,7 +80,8 @@ static void cml_mark_interactions(struct cml_flight *f)
                       cml_mark_lane_flight);
 }
 
-/* Runs cml_bundle_reach_planes, and scores the marks up to the planes. */
+/* Moves lanes to the planes that they meet (cml_bundle_reach_planes), and scores fluence at the marks on the
+ * way. */
 static int cml_reach_planes_with_marks(struct cml_flight *f)
 {
     struct cml_bundle *b = f->b;
@@ -131,7 +132,8 @@ static void cml_keep_time_of_rows(struct cml_flight *f)
                       cml_flush_deposits);
 }
 
-/* Adds interactions that are samples to the rows of their lanes (P16). */
+/* Adds those interactions that are drawn as samples to A(z) of all rows of a sweep (P16). Only a share of
+ * interactions is sampled, because each costs work for every row. */
 static void cml_sample_rows(struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;

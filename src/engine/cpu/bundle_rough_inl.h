@@ -60,7 +60,8 @@ static void cml_begin_rough_walk(struct cml_flight *f, int i, real alpha)
     w->reflection[k] = b->crossings[i] == 0u ? b->reflection[i] : b->second_reflection[i];
 }
 
-/* Takes all walks to their first facet. kind: constant, so that each kind has a loop of its own. */
+/* Takes the walks of all lanes at a rough boundary to their first facet. kind: the distribution of slopes,
+ * constant so that each has a loop of its own. */
 __attribute__((always_inline)) static inline void
 cml_rough_lanes_come(struct cml_stream stream, struct cml_rough_lanes *w, const int kind)
 {
@@ -85,8 +86,8 @@ cml_rough_lanes_come(struct cml_stream stream, struct cml_rough_lanes *w, const 
     }
 }
 
-/* Does a round of cml_rough_event: every walk turns at its facet number `steps`, counted from 1, and leaves
- * or comes to another facet. kind: constant. */
+/* Does one round of the walks over facets of rough boundaries: every walk turns at its facet number `steps`,
+ * counted from 1, and then leaves or comes to another facet. kind: constant. */
 __attribute__((always_inline)) static inline void
 cml_rough_lanes_turn(struct cml_stream stream, struct cml_rough_lanes *w, cml_u32 steps, const int kind)
 {

@@ -188,8 +188,9 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     cml_lane_roulette_by(f, i, f->world->setup.roulette);
 }
 
-/* cml_weigh for a lane that has interacted and is outside of its window (P19). The lane has not drawn for its
- * next interaction yet, and its branches are numbered by that interaction. */
+/* Plays roulette with the packet of lane i or splits it, after an interaction that left its weight outside
+ * of its window (P19), as cml_weigh does. The lane has not drawn for its next interaction yet, and its
+ * branches are numbered by that interaction. */
 static void cml_weigh_lane(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;

@@ -397,7 +397,8 @@ static int opencl_threads(const void *self)
     return (int)units;
 }
 
-/* Twice the world, because a device that is the processor keeps its buffers in the same memory. */
+/* Returns the memory that the engine takes on the host, in bytes: twice the world, because a device that is
+ * the processor keeps its buffers in the same memory. */
 static double opencl_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     return 2 * cml_world_bytes(scene, surfaces);

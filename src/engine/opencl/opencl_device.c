@@ -36,7 +36,7 @@ static const char *code_name(cl_int code)
     return "OpenCL error";
 }
 
-/* This is the only place that words a failed call of OpenCL: device, call, name and number of the code. */
+/* Makes the error message of a failed call of OpenCL: device, call, and name and number of the code. */
 cml_status cml_opencl_fail(const struct cml_opencl_device *device, const char *what, cl_int code,
                            struct cml_error *err)
 {
@@ -207,7 +207,8 @@ static cml_status parse_selection(const char *wanted, int devices, int *numbers,
     return CML_OK;
 }
 
-/* cml_opencl_default for devices with handles; the first device if memory is short. */
+/* Chooses the device for a run without --device, as cml_opencl_default does; the first one if memory is
+ * short. */
 static int choose_default(const struct cml_opencl_device *all, int count, int local_rank)
 {
     struct cml_opencl_info *infos = calloc((size_t)count, sizeof *infos);
@@ -217,8 +218,8 @@ static int choose_default(const struct cml_opencl_device *all, int count, int lo
     return number;
 }
 
-/* Selects at most 64 devices, because the engine notes in an array of that size which devices it has
- * started. */
+/* Selects the devices that --device names, or the default one for this rank: at most 64, the size of the
+ * engine's list of started devices. */
 cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_opencl_device **list, int *count,
                              struct cml_error *err)
 {

@@ -6,7 +6,8 @@
 
 #include <stdlib.h>
 
-/* Fails, so that of the engine's other functions only threads and close are ever called. */
+/* Fails: a program without OpenCL has no such engine. Of the engine's other functions only threads and close
+ * are ever called. */
 static cml_status none_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                             const struct cml_engine_options *options, void **self, struct cml_error *err)
 {

@@ -167,7 +167,8 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
     return status;
 }
 
-/* The scan replaces by blanks all that it did not check, so that tinyobjloader cannot read it. */
+/* Reads a mesh from an .obj file. Our own scan checks every line strictly and blanks the rest, so that
+ * tinyobjloader reads nothing unchecked. */
 cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
                         const struct cml_obj_options *options, struct cml_mesh *mesh,
                         struct cml_mesh_notes *notes, struct cml_error *err)

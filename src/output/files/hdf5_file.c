@@ -82,9 +82,9 @@ static void choose_chunk(const struct cml_field *field, hsize_t *chunk)
     }
 }
 
-/* Creates a data set without times, so that the same fields give the same bytes. Data are shuffled (all first
- * bytes, all second bytes, ...) before deflate, which then finds the digits that neighbours share; level 1 is
- * the fastest. A single number stands in the header of its data set, which has a checksum. */
+/* Creates the data set of a field, without times, so that the same fields give the same bytes. Data are
+ * shuffled (all first bytes, all second bytes, ...) before compression, which then finds the digits that
+ * neighbours share. A single number stands in the data set's header, which has a checksum. */
 static hid_t create_dataset(struct writer *w, const struct cml_field *field, const hsize_t *chunk)
 {
     hsize_t size[CML_FIELD_AXES];

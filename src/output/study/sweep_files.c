@@ -205,7 +205,8 @@ static bool find_axes(struct grid *grid)
     return grid->num_axes > 0;
 }
 
-/* Finds the row at each place of the array. False: a place has no row, or two. */
+/* Finds the row of the table for each place of the grid of settings. False if a place has no row or two: the
+ * rows then form no grid. */
 static bool place_rows(struct grid *grid)
 {
     const struct cml_sweep_results *r = grid->results;

@@ -246,7 +246,7 @@ cml_status cml_crosscheck(const struct cml_check_setup *setup, struct cml_check_
     return CML_OK;
 }
 
-/* A run that was not made is zero, and clearing it does nothing. */
+/* Frees the results of a cross-check. A run that was not made is zero, and freeing it does nothing. */
 void cml_check_clear(struct cml_check_result *result)
 {
     for (int s = 0; s < CML_CHECK_MOST_SIDES; s++) cml_run_result_free(&result->runs[s]);

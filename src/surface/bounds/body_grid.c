@@ -264,8 +264,9 @@ static void prepare_cells(struct filling *f)
     }
 }
 
-/* Fills all cells of a layer: distances and patches of every body in it, then the balls that follow from
- * them. Returns CML_E_INPUT if memory runs out. */
+/* Fills the cells of layer `layer`: how far each cell is from any body, and what passes near. From that
+ * follows for each cell a ball that is free of surfaces. Bodies are entered first, then distances, then
+ * balls. */
 static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball, struct cml_error *err)
 {
     const int *n = f->cells->n;

@@ -112,8 +112,8 @@ static inline void heights_over(double cosine, double distance, double lower, do
     range[1] = cml_larger(cosine * lower, cosine * upper) + aside;
 }
 
-/* Adds the heights of the whole facet or, if that range is smaller, of the part of the facet's plane within
- * reach. */
+/* Extends the two planes of a cell's patch so that a facet lies between them: by the heights of the facet's
+ * corners or, if smaller, of the facet's plane within reach of the cell. */
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch)
 {
     double normal[3], range[2], low = INFINITY, high = -INFINITY;
@@ -219,8 +219,8 @@ static double worth_of(const struct view *view, double radius)
     return radius - WORTH * (view->upper - view->lower);
 }
 
-/* Computes the view of a ball. Returns false if no surface reaches into the ball, if two planes cannot bound
- * the surfaces, or if the ball's value is below `most`. */
+/* Sees what surfaces reach into a ball around a cell, and bounds them by two planes. Returns false if there
+ * are none, if they belong to several bodies, or if the ball would be worth less than `most`. */
 static bool make_view(const struct neighbour *neighbour, int count, double radius, double most,
                       struct view *view)
 {

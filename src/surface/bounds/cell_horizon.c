@@ -139,9 +139,9 @@ static void join_steepest(const struct view *below, const struct view *view)
         }
 }
 
-/* Makes the views of all levels, beginning at the level of the horizons. Sets reach to the mesh's greatest
- * depth seen from below, or its greatest height seen from above. steepest: slopes of the first level.
- * scratch: [5][all cells]. Returns the number of views. */
+/* Makes the data for finding horizons on all levels of the pyramid, for one side: reach (the greatest depth
+ * seen from below, or height seen from above), slopes and what lies around. scratch: [5][all cells]. Returns
+ * the number of levels. */
 static int make_views(const struct cml_depth_pyramid *pyramid, const float *steepest, int side,
                       float *scratch, struct view *view)
 {

@@ -193,8 +193,9 @@ static inline double cml_grid_lane_weight(const struct cml_sheet_facet *f, doubl
     return cml_smaller(cml_smaller(v, w), 1 - v - w);
 }
 
-/* Intersects ray k with a facet listed in its cell. Returns 1 and sets the answer if the ray crosses the
- * facet's plane, or ends, well inside the facet; else returns 0. */
+/* Intersects ray k with one facet listed in its cell. Returns 1 and sets the answer if the ray surely
+ * crosses the facet's plane, or surely ends, inside the facet's outline; otherwise returns 0, and the next
+ * facet is tried. */
 static inline int cml_grid_lane_intersect_facet(const struct cml_grid_view *view, uint32_t number, int k,
                                                 struct cml_grid_lanes *l)
 {

@@ -122,8 +122,8 @@ static double least_weight(const struct cml_mesh_query *q, const struct cml_shee
     return a < least ? a : least;
 }
 
-/* Intersects the ray with all facets listed in a cell. The loop has no branches, since most of them would be
- * mispredicted. */
+/* Finds the nearest facet that a ray hits among those listed in a cell. Undecided if rounding could change
+ * the answer. The loop has no branches, since most of them would be mispredicted. */
 static enum verdict intersect_cell(const struct traversal *w, size_t index, struct interval part)
 {
     struct cml_mesh_query *q = w->q;

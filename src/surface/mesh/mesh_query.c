@@ -62,9 +62,9 @@ static uint64_t random_number(uint32_t vertex)
     return (x ^ (x >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
 }
 
-/* Intersects the ray with a triangle. A ray within rounding of an edge hits the triangles on both sides.
- * Exact signs alone would leave pinholes at vertices, where the signs of several edges must agree, and along
- * the border, where the outer plane begins. */
+/* Intersects the ray with a triangle; *t becomes the distance, weight[] the barycentric coordinates. A ray
+ * within rounding of an edge hits the triangles on both sides, because exact signs alone would leave
+ * pinholes at vertices and along the border. */
 bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, double weight[3])
 {
     const uint32_t *v = q->centred->mesh.triangle[primitive];
@@ -371,8 +371,9 @@ void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
     for (int k = 0; k < 3; k++) q->weight[k] = area[k] / (area[0] + area[1] + area[2]);
 }
 
-/* Begins a query. A packet that came undeflected through its facet has already met what lies behind the
- * facet, so crossings before the facet's own crossing do not count. */
+/* Begins a query: where does the ray from p along u first cross the mesh within t_max? exclude: the facet
+ * that the packet stands on, or a negative code. A packet that came undeflected through its facet has
+ * already met what lies before the facet, so such crossings do not count. */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *centred, const double p[3],
                      const double u[3], int below, double t_max, int exclude, int undeflected,
                      double err_position)

@@ -56,8 +56,8 @@ static bool test_triangle(struct cml_mesh_query *q, int primitive)
     return true;
 }
 
-/* Tests the triangle of a box that the ray meets (a callback of Embree). A hit shortens Embree's ray, so that
- * later boxes are skipped. */
+/* Tests the triangle in a box that a ray meets; Embree calls it back for each box. A hit shortens the ray,
+ * so that Embree skips boxes behind. For a line that is followed exactly, the facet is only collected. */
 static void intersect_triangle(const struct RTCIntersectFunctionNArguments *arguments)
 {
     struct query *query = (struct query *)(void *)arguments->context;
@@ -184,8 +184,9 @@ static struct cml_tree_ray tree_ray(const struct cml_mesh_query *q)
     return ray;
 }
 
-/* Queries the tree. Everything that is not plain is decided in double: the tree lists each facet in doubt
- * that the ray could meet. */
+/* Finds a ray's first crossing with the search tree in single precision. What the tree cannot decide for
+ * certain is decided in double precision, facet by facet; if the tree lost the overview (blurred), Embree
+ * searches instead. */
 static void query_tree(const struct cml_mesh_surface *surface, struct query *query)
 {
     static const double inner[3] = {1 / 3.0, 1 / 3.0, 1 / 3.0};

@@ -63,8 +63,8 @@ static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
     }
 }
 
-/* Returns the shadow of a facet. Seen in x and y, facets run clockwise, because z points down: inside is to
- * the right of their sides. */
+/* Returns the shadow of a facet: its outline seen along z, in cells of the grid, with the inward normals of
+ * its sides, its range of depths and its slope. Seen so, facets run clockwise, because z points down. */
 static struct shadow shadow_of(const struct lists *l, size_t facet)
 {
     const struct cml_grid_mesh *grid = l->grid;
@@ -191,8 +191,9 @@ static void weight_of(const double corner[2], const double at[3], const double o
     weight[1] = (float)(side[0] / height);
 }
 
-/* Fills the data of a facet. Returns false, with NaN as the weights' derivatives, if err_weight_sheet does
- * not cover the rounding of the weights in float over the facet's cells. */
+/* Fills in what a query needs of a facet: plane, corner, and derivatives of its barycentric weights along x
+ * and y. Returns false, and NaN as derivatives, if the facet is so thin that single precision cannot hold
+ * the weights. */
 static bool fill_facet(const struct cml_centred_mesh *centred, const struct cml_grid_mesh *grid, size_t facet)
 {
     struct cml_sheet_facet *f = &grid->facet[facet];
@@ -214,8 +215,8 @@ static bool fill_facet(const struct cml_centred_mesh *centred, const struct cml_
     return false;
 }
 
-/* Finds a rectangle inside the mesh's border: the largest one of a series of shrunken copies of the mesh's
- * box. */
+/* Finds a rectangle that lies inside the mesh's border, by which most rays see that they stay over the mesh:
+ * the largest one of a series of shrunken copies of the mesh's box. */
 static void find_inner(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid)
 {
     const double smaller = 0.95, least = 0.1, margin = 1 - 1e-6;

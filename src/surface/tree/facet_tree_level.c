@@ -103,8 +103,9 @@ static inline uint32_t test_planes(const struct search *s, const struct cml_tree
     return cml_group_equal(tested->passed, 0);
 }
 
-/* Tests the facets of a leaf. Returns a mask of the candidates. The comparisons let a NaN make a candidate
- * that is not a sure hit. */
+/* Tests the facets of a leaf in one vector loop and returns a mask of those that the ray may cross.
+ * `inside`: surely crossed; `exits`: crossed towards the packet's far side. A NaN makes a candidate that is
+ * not a sure hit. */
 static inline uint32_t test_leaf(const struct search *s, const struct cml_tree_leaf *leaf,
                                  struct tested *tested)
 {

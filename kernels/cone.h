@@ -165,7 +165,8 @@ struct cml_cone_quadratic {
     real w, A, B, D; /* A, B and discriminant D = B^2 - A C of the quadratic */
 };
 
-/* Returns the quadratic that a ray and the cone of a ring make. */
+/* Returns the coefficients of the quadratic equation for the distances at which a ray meets the cone of a
+ * ring. */
 CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_ring ring, const struct cml_cone_ray *ray)
 {
     const real m = ring.slope, mm = m * m, w = ray->p.z - ring.z + m * ring.r;

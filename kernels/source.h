@@ -138,7 +138,8 @@ CML_FN int cml_is_inside(const struct cml_world *world, int body, struct cml_vec
     return (along > 0) & (along < shape->length) & (cml_dot(across, across) < shape->radius * shape->radius);
 }
 
-/* Returns the body in a medium that p lies in; -1 if none. */
+/* Returns the body in which p lies among those directly inside a medium; -1 if there is none. Searches the
+ * medium's tree of boxes. */
 CML_FN int cml_body_at(const struct cml_world *world, int medium, struct cml_vec p)
 {
     const int end = world->media[medium].end_node;

@@ -171,7 +171,8 @@ CML_FN void cml_device_store_count(struct cml_device_lanes *l, cml_u32 i,
     l->interactions[i] = packet->interactions;
 }
 
-/* Copies a packet into its lane. */
+/* Copies a packet's state into its lane, where the loops work on it, together with its medium's
+ * properties. */
 CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;

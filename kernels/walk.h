@@ -579,7 +579,7 @@ CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *t
         cml_leave_scene(world, to, packet);
 }
 
-/* Launches packet `index`, and scores its launch. */
+/* Launches packet `index`, and scores the light that its launch splits off. */
 CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
                            CML_PACKET struct cml_packet *packet)
 {

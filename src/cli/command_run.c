@@ -106,7 +106,7 @@ static cml_status run_all(const struct session *session, struct cml_error *err)
     return CML_OK;
 }
 
-/* Refuses a name of a result whose ending is not .mco or .h5. */
+/* Refuses a name of a result with an ending other than .mco or .h5, because the ending sets the format. */
 static cml_status check_output(const char *name, struct cml_error *err)
 {
     const char *slash = name ? strrchr(name, '/') : NULL,
@@ -124,7 +124,7 @@ static cml_status check_folder(const char *name, struct cml_error *err)
     return cml_fail(err, CML_E_INPUT, "run: -o %.200s (expected a folder; --output names the result)", name);
 }
 
-/* Refuses --derivatives beside options that have no scores. */
+/* Refuses --derivatives beside options and engines that keep no scores for derivatives. */
 static cml_status check_derivatives(const struct cml_options *options, struct cml_error *err)
 {
     const char *beside = options->reweight             ? "--reweight"
@@ -134,7 +134,7 @@ static cml_status check_derivatives(const struct cml_options *options, struct cm
     return cml_fail(err, CML_E_INPUT, "--derivatives (expected no %s beside it)", beside);
 }
 
-/* Refuses --derivatives of a scene with a time line. */
+/* Refuses --derivatives for a scene with time gates, whose arrays have no derivatives. */
 static cml_status check_differentiated(const struct cml_options *options, const struct cml_scene_list *list,
                                        struct cml_error *err)
 {

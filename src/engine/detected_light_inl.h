@@ -177,7 +177,8 @@ static inline struct cml_seen cml_seen_by(const struct cml_tally *tally)
     return (struct cml_seen){tally->detector, tally->detector_t, tally->moments};
 }
 
-/* Adds light to the sums of detector k, but not to its pixels. */
+/* Adds light to the sums of detector k: total, time gate, and moments of path and depth. The pixels of a
+ * detector that is a map are added elsewhere. */
 static inline void cml_add_to_detector(const struct cml_world *world, const struct cml_light_out *light,
                                        int k, const struct cml_seen *to)
 {
@@ -209,7 +210,8 @@ static inline void cml_score_arc(const struct cml_world *world, const struct cml
     if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, to);
 }
 
-/* Adds light to the pixel of a detector that sees it. */
+/* Adds light to the pixel of a detector map that sees it, and to its sum of squares if standard errors come
+ * from squares (once.step is 0). */
 static inline void cml_add_to_pixel(const struct cml_light_out *light, const struct cml_light_out *before,
                                     const struct cml_seeing *seeing, const struct cml_detector *detector,
                                     const struct cml_tally *to)

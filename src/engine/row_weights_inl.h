@@ -309,7 +309,7 @@ struct cml_row_place {
     uint64_t *by_z, *by_rz;
 };
 
-/* Returns the bins of an interaction at p in a medium. */
+/* Returns where an interaction at p counts in the rows' A(z) and A(r, z). */
 static inline struct cml_row_place cml_rows_sampled_at(const struct cml_world *world,
                                                        const struct cml_row_packet *rows, int medium,
                                                        struct cml_vec p)
@@ -461,7 +461,7 @@ static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
     cml_rows_add_to(of, cml_row_bin(of->rows, bin));
 }
 
-/* Returns the bin of radius and gate in which rows have left. */
+/* Returns where a packet that leaves counts in the rows' Rd or Tt over radius and time. */
 static inline uint64_t *cml_row_radius_and_gate(const struct cml_setup *setup,
                                                 const struct cml_row_packet *rows,
                                                 const struct cml_exit *exit)

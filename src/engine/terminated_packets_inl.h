@@ -254,7 +254,8 @@ static inline void cml_tally_escape(const struct cml_setup *setup, const struct 
                  terminated->w[i], 1);
 }
 
-/* Adds entry i, which has left, to the bin of its direction. */
+/* Adds packet i of the collection, which has left the scene, to the bin of its direction: of Rd, of Tt, or
+ * of specular light. */
 static inline void cml_tally_direction(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                        int i, const struct cml_exit *exit, const struct cml_tally *tally)
 {
@@ -272,7 +273,7 @@ static inline real cml_lot_of(const struct cml_world *world, cml_u64 index)
     return cml_uniform(cml_draw(world->setup.stream, index, CML_PURPOSE_BRANCH, 0).w[0]);
 }
 
-/* Returns the light of entry i, which has left. */
+/* Returns packet i of the collection, which has left the scene, in the form in which detectors see light. */
 static inline struct cml_light_out cml_terminated_light(const struct cml_world *world,
                                                         const struct cml_terminated *terminated, int i,
                                                         const struct cml_exit *exit,

@@ -55,7 +55,8 @@ static void bind_to_place(int place, pthread_attr_t *attributes)
     free(ids);
 }
 
-/* Starts a thread. Returns 0 if it runs, else an error number. */
+/* Starts a thread with its own stack size, bound to cores if OpenMP binds threads. Returns 0 if it runs,
+ * otherwise an error number. */
 static int start(struct thread *thread, int count)
 {
     pthread_attr_t attributes;

@@ -81,7 +81,8 @@ double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_s
            cml_source_bytes(scene);
 }
 
-/* Fills the media of layers and outside. */
+/* Fills the media of layers and of the outside as kernels read them: optics, thickness (span), depth, and
+ * depth in bins. */
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        struct cml_medium *media)
 {

@@ -164,7 +164,8 @@ static void set_shape(const struct cml_beam *beam, struct cml_source *source)
     }
 }
 
-/* Fills the kind and width of a source's light. */
+/* Sets how the directions of a source's light are drawn: parallel, even in a cone, by cosine, or by a table.
+ * Isotropic light is even in a cone of width 1 - cos = 2. */
 static void set_light(const struct cml_light *light, struct cml_source *source)
 {
     static const int lights[] = {CML_LIGHT_PARALLEL, CML_LIGHT_EVEN, CML_LIGHT_COSINE, CML_LIGHT_EVEN,
@@ -174,7 +175,7 @@ static void set_light(const struct cml_light *light, struct cml_source *source)
     source->spread = (real)(light->kind == CML_LIGHT_OF_ISOTROPIC ? 2 : 0);
 }
 
-/* Fills the axis of a source, and two unit vectors across it. */
+/* Sets the axis of a source, and two unit vectors across it, along which its shape lies. */
 static void set_axis(const struct cml_beam *beam, struct cml_source *source)
 {
     const double st = cml_beam_sine(beam), ct = cml_beam_descent(beam), sp = sin(beam->azimuth),

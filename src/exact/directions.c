@@ -19,7 +19,8 @@ static double legendre(int n, double x, double *slope)
     return p;
 }
 
-/* Finds the node by Newton's method from Tricomi's first guess. */
+/* Returns node i of Gauss's quadrature with n nodes on [-1, 1] and its weight: Newton's method from
+ * Tricomi's first guess. */
 double cml_gauss_node(int n, int i, double *weight)
 {
     double x = cos(CML_PI * (i + 0.75) / (n + 0.5)), slope = 1;

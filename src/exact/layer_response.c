@@ -239,7 +239,8 @@ void cml_layer_response_clear(struct cml_layer_response *response)
     *response = (struct cml_layer_response){0};
 }
 
-/* Sets the cosines and weights of all directions in this layer. */
+/* Computes the cosine of each direction in this layer, and the weight of the direction in sums over angles.
+ * Directions are fixed by index times sine, which all layers share. */
 static void set_cosines(const struct cml_directions *directions, struct work *w)
 {
     const double n = w->medium->n;

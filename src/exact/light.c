@@ -58,7 +58,8 @@ static int samples_of(const struct cml_beam *beam, double n)
     return 3 * panels * azimuths_of(beam);
 }
 
-/* Adds rays at the angle t to the axis. Returns their number. */
+/* Adds rays at the angle t from a beam's axis, evenly around it; only their angle to the vertical counts.
+ * Returns their number. */
 static int add_cone(const struct cml_beam *beam, double t, double weight, struct cml_exact_ray *ray)
 {
     const int count = azimuths_of(beam);

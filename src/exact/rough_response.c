@@ -53,7 +53,8 @@ static void add_interval(struct work *w, struct cml_rough_interval *to, int firs
     }
 }
 
-/* Finds the intervals between indices, each with its nodes. */
+/* Finds the intervals of directions between neighbouring refractive indices, each with its own nodes of
+ * quadrature. */
 static void find_intervals(struct work *w)
 {
     const struct cml_directions *d = w->directions;

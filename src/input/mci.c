@@ -223,7 +223,8 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const struct 
     return cml_mci_fail(reader, "nz nr na", value, expected);
 }
 
-/* Reads the photons, the sizes of bins and the numbers of bins. */
+/* Reads the first data lines of a run: number of photons, sizes of bins (dz dr) and numbers of bins (nz nr
+ * na). */
 static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "photons"));
@@ -307,7 +308,8 @@ static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *s
  * they absorb. Media with mus = 0 are meant so. */
 #define SWAPPED 20
 
-/* Notes media whose mua and mus may have been swapped. */
+/* Notes media whose absorption is so much larger than their scattering that the user may have swapped the
+ * two. */
 static void note_swapped(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     for (int m = 1; m < scene->num_layers + 2 + scene->num_bodies; m++) {
@@ -320,7 +322,8 @@ static void note_swapped(const struct cml_mci_reader *reader, const struct cml_s
     }
 }
 
-/* Notes layers that may have been given in mm. */
+/* Notes layers thicker than 50 cm, which may have been given in mm. A layer without an end has a much larger
+ * thickness and is left alone. */
 static void note_thickness(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {

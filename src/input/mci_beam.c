@@ -316,7 +316,7 @@ static cml_status fit_to_tile(const struct cml_mci_reader *reader, struct cml_sc
     return CML_OK;
 }
 
-/* Checks a beam by itself, and against the number of beams. */
+/* Refuses a beam whose own numbers contradict each other, and `radial` if there are several beams. */
 static cml_status check_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];

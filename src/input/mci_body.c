@@ -27,7 +27,7 @@ static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
     return cml_fail_memory(reader->err, (double)(capacity * sizeof *bodies), "bodies");
 }
 
-/* Reads the value of the option `rough`. */
+/* Reads the value of a body's option rough=KIND,ALPHA: the distribution of facet slopes and its width. */
 static cml_status set_rough(const struct cml_mci_reader *reader, const char *owner, const char *value,
                             struct cml_rough_def *rough)
 {

@@ -314,7 +314,8 @@ static cml_status set_m_option(struct cml_mci_line *line)
     return CML_OK;
 }
 
-/* Draws a random relief and makes a repeated boundary of it. */
+/* Draws a random relief with the wanted statistics, scales it, and makes it a tile that repeats over the
+ * plane. */
 static cml_status make_relief(const struct cml_mci_line *line, const struct cml_random_relief *relief,
                               const struct cml_obj_options *obj, struct cml_boundary *boundary)
 {
@@ -328,7 +329,7 @@ static cml_status make_relief(const struct cml_mci_line *line, const struct cml_
     return status;
 }
 
-/* Reads the line behind the word gaussian: a random relief. */
+/* Reads the rest of a line `m gaussian`: the numbers of a random relief, and the word tile. */
 static cml_status read_relief(struct cml_mci_line *line, int index, struct m_line *m,
                               struct cml_boundary *boundary)
 {

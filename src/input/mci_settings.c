@@ -75,7 +75,8 @@ enum owner { ABOVE, BELOW, LAYER, BODY, BOUNDARY, BACKING, BEAM, DETECTOR, NUM_O
 static const char *const owner_words[NUM_OWNERS] = {"above",    "below",   "layer", "body",
                                                     "boundary", "backing", "beam",  "detector"};
 
-/* Returns how many owners of a kind the scene has. */
+/* Returns how many owners of a kind the scene has: layers, bodies, beams and so on. --set names them by
+ * number. */
 static int count_of(const struct cml_scene *scene, enum owner owner)
 {
     const int counts[NUM_OWNERS] = {1,

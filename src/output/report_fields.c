@@ -514,7 +514,8 @@ void cml_add_body_fields(struct cml_field_list *c)
 
 enum { SIDES = CML_FACET_EXITANCE_BELOW + 1 };
 
-/* Sets one of the fluxes of a body, the sum over its facets. */
+/* Computes one flux of a body (number `side` of its scores), summed over all its facets, and its standard
+ * error from the groups if facets are kept by group. */
 static void set_flux(const struct cml_report *report, const struct cml_body_surface *of, int side, size_t at,
                      struct cml_outcome *o)
 {

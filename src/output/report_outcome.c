@@ -124,7 +124,8 @@ cml_status cml_report_words(struct cml_report *report, enum cml_report_reader re
     return status;
 }
 
-/* Sets report->covers if packets are saved. */
+/* Finds for how many photons the saved packets are complete, if packets are saved, and stores the number in
+ * report->covers. */
 static cml_status count_covers(struct cml_report *report, struct cml_error *err)
 {
     const struct cml_scene *scene = report->scene;

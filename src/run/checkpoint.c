@@ -527,7 +527,7 @@ struct cml_checkpoint_about cml_checkpoint_look(const char *path)
     return about;
 }
 
-/* Reads the head and the call of the file of a part. */
+/* Reads the head and the command line of the file of a part, and refuses any other file. */
 static cml_status read_part(struct source *source, struct cml_record *record, struct cml_error *err)
 {
     const struct head *head = &source->head;

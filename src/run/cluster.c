@@ -208,7 +208,7 @@ cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
     return (cml_status)worst.status;
 }
 
-/* Sends the data in slices, because MPI counts with an int. */
+/* Copies `size` bytes of rank 0 to all ranks: in slices, because MPI counts with an int. */
 cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
 {
     MPI_Request call;

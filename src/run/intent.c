@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/intent.h"
 
-/* Returns the intent of a run that may replace files. */
+/* Decides what a run does if nothing must be kept: begin anew, resume a checkpoint, write the result of a
+ * finished run again, or nothing. */
 static enum cml_run_intent intent_of(const struct cml_run_findings *found)
 {
     if (!found->resumes) return CML_RUN_FRESH;

@@ -73,7 +73,7 @@ static bool is_part_of(const struct cml_part_file *file, const struct cml_run_se
     return strcmp(file->identity, setup->identity) == 0 && file->about.begin == setup->base;
 }
 
-/* Refuses a file that is not a part of this run. */
+/* Refuses a file that is a part of another run: the identity differs, or the round of photons. */
 static cml_status fail_other(const struct cml_run_setup *setup, const struct cml_part_file *file,
                              struct cml_error *err)
 {
@@ -176,7 +176,7 @@ static void add_saved(struct cml_saved *to, struct cml_saved *from)
     cml_saved_add_found(to, sums.found - sums.kept);
 }
 
-/* Adds the tallies of a part. */
+/* Adds the sums of a part to those of the parts before. */
 static void add_result(struct cml_result *to, struct cml_result *from)
 {
     size_t cells = 0;

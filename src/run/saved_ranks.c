@@ -15,7 +15,8 @@ struct block {
     uint64_t unkept;      /* packets found whose rows are not kept; counted in the first message only */
 };
 
-/* Fills the block with the next rows, from `*sent` on. */
+/* Fills a block with the next rows of saved packets, from number *sent on, for sending to rank 0.
+ * block->left: rows that remain. */
 static void fill(struct cml_saved *saved, size_t kept, size_t most, size_t *sent, struct block *block)
 {
     const size_t size = cml_saved_row_bytes(cml_saved_media(saved));

@@ -60,7 +60,8 @@ static void compare_at_point(const struct comparison *c, double x, double y, dou
         keep_closest(c->closest, x, y, field, mesh, size);
 }
 
-/* Finds the sample by bisection. */
+/* Returns the first sample of a radial heightfield at radius r or beyond; n if there is none. Radii rise, so
+ * bisection finds it. */
 int cml_radial_sample_from(const struct cml_radial *radial, double r)
 {
     int low = 0, high = radial->n;

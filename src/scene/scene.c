@@ -251,7 +251,8 @@ void cml_scene_list_clear(struct cml_scene_list *list)
     *list = (struct cml_scene_list){0};
 }
 
-/* Interpolates linearly between samples. */
+/* Returns the height of a radial heightfield at radius r, cm: linear between samples, constant beyond the
+ * last one. */
 double cml_radial_height(const struct cml_radial *radial, double r)
 {
     const int last = radial->n - 1;

@@ -13,7 +13,7 @@ static bool is_too_steep(double step, double run)
     return fabs(step) > (1 + 1e-9) * CML_STEEPEST * run;
 }
 
-/* Reports that boundary b is too steep at a place. */
+/* Refuses boundary b, because it has a slope above CML_STEEPEST at the place `at`. */
 static cml_status refuse(const struct cml_scene *scene, int b, double slope, const double at[2],
                          struct cml_error *err)
 {

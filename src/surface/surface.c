@@ -111,7 +111,7 @@ static cml_status tessellate(const struct cml_scene *scene, const struct cml_bou
     return cml_tessellate(&boundary->radial, &tessellation, &budget, mesh, err);
 }
 
-/* Represents a radial heightfield as a mesh. */
+/* Represents a radial heightfield by a mesh of triangles, and estimates the accuracy of this. */
 static cml_status make_tessellated(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                    const struct cml_surface_options *options, struct cml_surface_def *def,
                                    struct cml_error *err)

@@ -152,7 +152,8 @@ static void unit_point(size_t k, size_t segments, double point[2])
     point[1] = turn == 0 ? y : turn == 1 ? x : turn == 2 ? -y : -x;
 }
 
-/* Places the vertices of ring i on its polygon. */
+/* Places the vertices of ring i: a regular polygon with the area of the ring's circle or, if `inscribed`,
+ * inside the circle (vertex_factor). */
 static void put_ring(const struct rings *rings, int i, struct cml_mesh *mesh)
 {
     const size_t segments = (size_t)rings->segments[i];

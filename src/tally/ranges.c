@@ -22,7 +22,7 @@ cml_status cml_ranges_add_all(struct cml_ranges *ranges, const struct cml_ranges
     return CML_OK;
 }
 
-/* Adds the turns of a range from `from` to `to` - 1. */
+/* Adds the part of a range that lies within from ... to - 1; nothing if they do not overlap. */
 static cml_status add_between(struct cml_ranges *ranges, struct cml_range range, uint64_t from, uint64_t to,
                               struct cml_error *err)
 {

@@ -14,7 +14,8 @@ struct row {
     struct cml_result *to;
 };
 
-/* Prepares to take a row of a flight. */
+/* Returns where the sums of row `number` lie in the sums of a flight, for copying them into a result of its
+ * own. unit: the rows' unit of weight, counted in units of a result. */
 static struct row row_of(const struct cml_result *flight, int number, struct cml_result *to)
 {
     const struct cml_tally_grid *grid = &flight->grid;
@@ -54,7 +55,8 @@ static cml_u128 moment(const struct row *row, size_t batch, size_t k, size_t m)
                : whole << CML_ROW_MOMENT_SHIFT; /* numbers of interactions have no unit to convert */
 }
 
-/* Takes the moments of detectors of one batch. */
+/* Copies the moments of all detectors of one batch (lengths of path, depths) from the flight's sums into the
+ * row's result. */
 static void take_means(const struct row *row, size_t batch)
 {
     struct cml_result *to = row->to;
@@ -67,7 +69,8 @@ static void take_means(const struct row *row, size_t batch)
     }
 }
 
-/* Takes the totals of one batch, and the terms of the balance. */
+/* Copies the totals of one batch from the flight's sums into the row's result, and adds to the balance of
+ * weight. */
 static void take_totals(const struct row *row, size_t batch)
 {
     const size_t media = cml_tally_media(&row->to->grid);

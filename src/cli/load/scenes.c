@@ -164,7 +164,8 @@ cml_status cml_load_scenes_as_run(const struct cml_options *options, struct cml_
     return status;
 }
 
-/* Sends the bytes of the files that rank 0 read to all ranks. */
+/* Sends the bytes of all files that rank 0 has read to the other ranks, which then read the scene from these
+ * bytes. */
 static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
 {
     char *block = NULL;

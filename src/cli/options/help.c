@@ -82,7 +82,7 @@ static void print_options(FILE *stream, enum cml_command command)
     }
 }
 
-/* Prints the names of the pages in a folder. */
+/* Prints the words of all pages of a folder of the manual on one line, for `help` without a topic. */
 static void print_pages(FILE *stream, const char *folder)
 {
     char names[640] = "";

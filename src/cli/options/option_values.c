@@ -23,7 +23,8 @@ static void *member_of(const struct cml_option *option, struct cml_options *opti
     return (char *)options + option->member;
 }
 
-/* Sets a bool, an enumerator or an int. */
+/* Stores a whole number in the member of the options that the option names: a bool, or an int or
+ * enumerator. */
 static cml_status set(const struct cml_option *option, int number, struct cml_options *options)
 {
     if (option->size == sizeof(bool))
@@ -50,7 +51,7 @@ cml_status cml_read_text(const struct cml_option *option, const char *value, str
     return CML_OK;
 }
 
-/* Reads a whole number within the option's range. */
+/* Reads a whole number within the range of the option's row in the table. */
 static cml_status count(const struct cml_option *option, const char *value, uint64_t *number,
                         struct cml_error *err)
 {

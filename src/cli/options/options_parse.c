@@ -36,7 +36,8 @@ static void take_value(struct words *words, const char *behind)
     words->value = behind ? behind : words->at < words->argc ? words->argv[words->at++] : NULL;
 }
 
-/* Reads the next option of a group of letters like -xh. */
+/* Takes the next option of a group of letters like -xh. An option with a value ends the group: the rest of
+ * the word, or the next word, is its value. */
 static enum word_kind take_letter(struct words *words)
 {
     const char letter = *words->letters++;
@@ -50,7 +51,7 @@ static enum word_kind take_letter(struct words *words)
     return WORD_OPTION;
 }
 
-/* Reads a long option, --name or --name=value. */
+/* Takes a long option, --name or --name=value. surplus: a value was given to an option that takes none. */
 static enum word_kind take_name(struct words *words, const char *name)
 {
     const size_t length = strcspn(name, "=");

@@ -247,7 +247,8 @@ void cml_aim_clear(struct cml_aim *aim)
     cml_window_table_clear(&aim->windows);
 }
 
-/* True if aiming at detector k would pay. A refusal means no. */
+/* True if --aim at detector k would make its error smaller in the same time. An aim that is refused gains
+ * nothing. */
 static bool would_gain(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int k)
 {
     struct cml_error refusal;

@@ -111,7 +111,7 @@ struct cml_report_asks cml_report_asks_of(const struct cml_run_setup *setup)
                                     setup->options.derivatives || setup->options.tail};
 }
 
-/* Looks at all files of a run. */
+/* Looks at every file that the run will write, and notes in *before which exist and of which run they are. */
 static cml_status find_files(const struct cml_options *options, const struct cml_run_setup *setup,
                              bool extends, struct cml_before *before, struct cml_error *err)
 {

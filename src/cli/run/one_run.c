@@ -50,7 +50,7 @@ static void print_summary(const struct cml_options *options, const struct cml_re
     for (int i = 0; i < report->num_files; i++) printf("  -> %s\n", report->files[i]);
 }
 
-/* Notes why derivatives by mua of clear media are NaN (P17). */
+/* Notes why derivatives with respect to mua are missing (NaN) for clear media that trap light (P17). */
 static void note_trapped(const struct cml_report *report)
 {
     char text[512];
@@ -207,7 +207,8 @@ static void add_poor(double packets, int row, struct poor_rows *poor)
     poor->packets = packets;
 }
 
-/* Adds a row to the poor ones of each total. */
+/* Notes for each total if too few effective packets carry the result of row `row`; `poor` keeps count and
+ * the worst row. */
 static void find_poor(const struct cml_result *flight, const struct cml_result *result, int row,
                       struct poor_rows poor[NUM_POOR])
 {
@@ -288,7 +289,7 @@ struct prepared {
     struct cml_before before; /* files that were there before the run, on rank 0 only */
 };
 
-/* Prints the time and the file of a complete part. */
+/* Ends a complete part on rank 0: removes the older checkpoint, and prints the time and the part's file. */
 static void say_part(const struct cml_run_call *call, const struct cml_run_setup *setup,
                      const struct cml_run_result *run)
 {
@@ -310,7 +311,7 @@ static cml_status join(const struct cml_run_call *call, const struct cml_run_set
     return cml_run_join(setup, call->options->joined, call->only, run, err);
 }
 
-/* Reads and checks the parts of the run, and writes nothing. */
+/* Reads and checks the parts of the run for `merge`, but writes nothing yet. */
 static cml_status look_at_parts(const struct cml_run_call *call, const struct cml_run_setup *setup,
                                 struct cml_error *err)
 {

@@ -45,7 +45,8 @@ static cml_status resolve(const char *path, char **name, struct cml_error *err)
 
 /* ---- files of a run ---- */
 
-/* Adds a file to the outputs of a run. */
+/* Adds a file to the list of files that the program will write, under its path without links and dots. run:
+ * number of the run in the file. */
 static cml_status add(struct cml_outputs *outputs, const char *path, int run, enum cml_output_kind kind,
                       struct cml_error *err)
 {
@@ -173,7 +174,7 @@ static bool has_lock(const struct cml_outputs *outputs, const char *path)
     return false;
 }
 
-/* Takes a lock, unless this call has it already. */
+/* Locks the file `path`, unless this process has locked it already for another run. */
 static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct cml_error *err)
 {
     if (has_lock(outputs, path)) return CML_OK;
@@ -195,7 +196,7 @@ static cml_status lock_part(const struct cml_options *options, const char *path,
     return add_lock(outputs, name, err);
 }
 
-/* Locks the stem of a result: STEM.lock. */
+/* Locks all files of a result at once, by the lock file STEM.lock beside them. */
 static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struct cml_error *err)
 {
     CML_FREED char *beside = NULL, *name = NULL;
@@ -373,7 +374,7 @@ static bool may_stay(const struct cml_options *options, const struct cml_scene_l
     return options->sweep && is_table(scene) ? all_stay(options, list) : result_stays(options, scene);
 }
 
-/* Refuses with --no-clobber to replace files that exist. */
+/* Refuses, with --no-clobber, to replace a file that exists, unless the file may stay as it is. */
 static cml_status check_clobber(const struct cml_options *options, const struct cml_scene_list *list,
                                 const struct cml_outputs *outputs, struct cml_error *err)
 {

@@ -123,7 +123,7 @@ static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, s
     return status;
 }
 
-/* Checks all rows and claims the outputs, on rank 0. */
+/* Checks all rows of the sweep and their flights on rank 0, and claims the files that they will write. */
 static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     struct cml_engine_options ignored = sweep->options->engine_options;
@@ -269,7 +269,7 @@ static int medium_of(const struct cml_sweep_table *table, int column, const stru
     return cml_body_medium(scene, body - 1);
 }
 
-/* Returns the column that sets mus of a medium; -1: none. */
+/* Returns the column that sets the scattering of a medium (its name ends in .mus), or -1. */
 static int scattering_column(const struct cml_sweep_table *table, int medium, const struct cml_scene *scene)
 {
     for (int c = 0; c < table->num_columns; c++) {
@@ -324,7 +324,7 @@ static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
     return options->reweight ? group_rows(sweep, err) : CML_OK;
 }
 
-/* Reads the table and checks all rows. */
+/* Prepares a sweep: table, identity, the surfaces that rows share, and a check of all rows. */
 static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;

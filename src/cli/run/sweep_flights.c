@@ -161,7 +161,7 @@ static cml_status prepare_group(const struct cml_sweep_run *sweep, int number, s
     return sweep->identity ? identify_group(sweep, group, err) : CML_OK; /* `check` needs no identity */
 }
 
-/* Moves the records of a group into those of the sweep. */
+/* Moves the records of a flown group to the sweep, and prints a line for each of its rows. */
 static void take_records(struct cml_sweep_run *sweep, const struct group *group)
 {
     for (int i = 0; i < group->count; i++) {

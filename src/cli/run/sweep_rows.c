@@ -53,7 +53,7 @@ void cml_sweep_rows_print(struct cml_sweep_rows *rows, bool json)
     for (int row = 0; row < rows->count; row++) print_json(&rows->record[row], json);
 }
 
-/* Flies row after row, each on all ranks. */
+/* Flies the rows one after the other, each on all ranks. json: prints each row's record at once. */
 static cml_status fly_together(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                                void *context, struct cml_error *err)
 {
@@ -133,7 +133,7 @@ struct row_report {
     struct cml_record record;
 };
 
-/* Fills a report for every row, flown here or not. */
+/* Fills this rank's report about every row: whether it was flown here, and its record without the text. */
 static void fill_reports(const struct cml_sweep_rows *rows, struct row_report *mine)
 {
     for (int i = 0; i < rows->count; i++) {
@@ -151,7 +151,7 @@ static size_t json_total(const struct row_report *report, int count)
     return total;
 }
 
-/* Joins the JSON objects of this rank's rows. */
+/* Joins the JSON records of the rows that this rank has flown into one text. */
 static void join_json(const struct cml_sweep_rows *rows, char *text)
 {
     for (int i = 0; i < rows->count; i++) {

@@ -59,7 +59,8 @@ CML_LOOP void cml_bundle_leave_regions(const struct cml_bundle *b, const struct 
     }
 }
 
-/* Returns the mask of the lanes that may leave their region. */
+/* Returns the mask of lanes whose path may leave the region that is known to be free of bodies, and which
+ * must therefore search. */
 static uint64_t cml_lanes_out_of_regions(const struct cml_flight *f)
 {
     _Alignas(64) int out[CML_LANES];

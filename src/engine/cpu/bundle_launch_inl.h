@@ -181,7 +181,8 @@ static void cml_place_lane(struct cml_flight *f, int i)
     f->b->mark[i] = start->mark;
 }
 
-/* Begins the trail of a lane that holds a new packet (P13). */
+/* Begins the record of a new packet's path (trail, P13) in lane i: lengths and momentum 0, and the depth of
+ * the start. */
 static void cml_begin_lane_trail(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;

@@ -64,7 +64,8 @@ cml_queue_crossing_of(const struct cml_setup *setup, const struct cml_launch_que
     return at;
 }
 
-/* Returns cml_draw_reflection for photon i of the queue. */
+/* Returns the random word that decides whether photon i of the queue is reflected at the first boundary,
+ * with the same bits as cml_draw_reflection. */
 static inline cml_u32 cml_queue_reflection(struct cml_stream stream, const struct cml_launch_queue *queue,
                                            int i, struct cml_queue_crossing at)
 {

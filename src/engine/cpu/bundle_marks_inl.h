@@ -66,7 +66,8 @@ static void cml_add_more_scores(const struct cml_flight *f, const cml_u32 *score
     }
 }
 
-/* Scores the fluence of lanes that are about to interact. */
+/* Scores the fluence of all lanes that are about to interact: in dense media at the interaction, elsewhere
+ * at the marks on the flight to it. */
 static void cml_mark_interactions(struct cml_flight *f)
 {
     _Alignas(64) cml_u32 cell[CML_LANES], score[CML_LANES];

@@ -109,7 +109,8 @@ static inline void cml_queue_aim(const struct cml_world *world, struct cml_launc
     }
 }
 
-/* Runs cml_queue_aim with the loop for the beam's light. */
+/* Moves the photons of the queue to their starts above the scene. Each kind of light has its own compiled
+ * loop, so that no loop branches on it. */
 CML_LOOP void cml_queue_place_above(const struct cml_world *world, struct cml_launch_queue *queue)
 {
     switch (world->sources[0].light) {

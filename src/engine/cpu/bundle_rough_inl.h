@@ -174,7 +174,8 @@ static void cml_close_up_rough_walks(struct cml_rough_lanes *w)
     w->walking = left ? ~(uint64_t)0 >> (CML_LANES - left) : 0;
 }
 
-/* Ends the walks that leave in this round. */
+/* Ends the walks among facets of a rough boundary that leave in this round, and closes up the others. steps:
+ * facets met so far. */
 static void cml_end_rough_walks(struct cml_flight *f, cml_u32 steps)
 {
     struct cml_rough_lanes *w = f->rough;

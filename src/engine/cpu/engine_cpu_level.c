@@ -97,7 +97,7 @@ static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
     return cpu->factors ? CML_OK : cml_fail_memory(err, (double)(count * sizeof(real)), "the rows");
 }
 
-/* Makes a stack of branches for each thread. */
+/* Makes for each thread a stack of branches, which are parts of split packets that wait for their flight. */
 static cml_status create_branches(struct cpu_engine *cpu, struct cml_error *err)
 {
     cpu->branches = calloc((size_t)cpu->threads, sizeof *cpu->branches);

@@ -28,7 +28,7 @@ struct opencl_engine {
     struct cml_tally tally; /* the tally of a call of run; zero between calls */
 };
 
-/* Closes an engine, also one that was opened in part. */
+/* Frees the engine; also one that was opened only in part. */
 static void opencl_close(void *self)
 {
     struct opencl_engine *engine = self;
@@ -303,7 +303,8 @@ static void copy_record(const struct cml_world *world, uint64_t index, const str
     };
 }
 
-/* Reads the first device's buffer of fates as records. */
+/* Reads how `count` packets from number `first` ended from the first device, and converts them to records of
+ * the host. */
 static cml_status read_records(struct opencl_engine *engine, uint64_t first, uint64_t count,
                                struct cml_fate_record *records, struct cml_error *err)
 {

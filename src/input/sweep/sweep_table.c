@@ -56,7 +56,8 @@ static char *unquote(char *cell)
     return end + 1;
 }
 
-/* Cuts the next cell off the line; false behind the last one. */
+/* Cuts the next cell off a line of the table and moves *line behind the comma. A cell may be in quotation
+ * marks, inside which commas do not count. False behind the last cell. */
 static bool next_cell(char **line, struct cell *cell)
 {
     if (!*line) return false;

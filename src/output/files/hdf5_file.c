@@ -262,7 +262,8 @@ static void write_call_text(struct writer *w, hid_t group, const char *name, con
     check(w, H5Tclose(type));
 }
 
-/* Writes the group `call`. */
+/* Writes the group `call`: the command line and the name of the input file. Only this group differs between
+ * equal runs. */
 static void write_call(struct writer *w, const struct cml_hdf5_call *call)
 {
     const hid_t properties = made(w, H5Pcreate(H5P_GROUP_CREATE));
@@ -372,7 +373,7 @@ static void close_file(struct writer *w)
     if (w->size == 0) w->failed = true;
 }
 
-/* Writes the finished file to the disk. */
+/* Writes the file that HDF5 has built in memory to the disk, unless a step of building it failed. */
 static cml_status publish(const char *path, const struct writer *w, struct cml_error *err)
 {
     struct cml_file file;

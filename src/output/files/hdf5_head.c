@@ -41,7 +41,7 @@ static bool read_attribute(hid_t file, const char *name, hid_t wanted, void *val
     return good;
 }
 
-/* Reads an attribute of one text that is shorter than `size`. */
+/* Reads an attribute that is one text into value[size]. False if it is missing or too long. */
 static bool read_text(hid_t file, const char *name, size_t size, char *value)
 {
     const hid_t text = H5Tcopy(H5T_C_S1);

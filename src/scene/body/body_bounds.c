@@ -153,7 +153,7 @@ static bool lies_beyond(struct encounter *e, const struct cml_sheet *body)
     return false;
 }
 
-/* Compares a body's mesh with a mesh boundary. */
+/* Refuses a body that is a mesh if it meets a boundary that is a mesh, too, or lies beyond the boundary. */
 static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
@@ -215,7 +215,8 @@ static void take_heights(struct encounter *e, const double *h, size_t n)
     }
 }
 
-/* Sets the boundary's depths and, for a mesh, its sheet. */
+/* Prepares a boundary for comparison with bodies: the depths between which it lies and, if it is a mesh, its
+ * search structure. */
 static cml_status prepare(struct encounter *e, struct cml_error *err)
 {
     const struct cml_boundary *boundary = e->boundary;

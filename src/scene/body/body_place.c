@@ -125,7 +125,8 @@ static enum cml_convex_order compare_meshes(const struct solid *a, const struct 
     return of_b == b->sheet->mesh->num_parts && of_a == 0 ? CML_CONVEX_SECOND_INSIDE : CML_CONVEX_OVERLAP;
 }
 
-/* Tells how two bodies of any form lie to each other. */
+/* Says how two bodies lie to each other: apart, one inside the other, or meeting. For each pair of forms
+ * another function decides. The order is turned round if the arguments had to change places. */
 static enum cml_convex_order compare_solids(const struct solid *a, const struct solid *b, double at[3])
 {
     if (a->sheet && b->sheet) return compare_meshes(a, b, at);
@@ -140,7 +141,7 @@ static enum cml_convex_order compare_solids(const struct solid *a, const struct 
                                                : order;
 }
 
-/* Refuses a mesh that crosses or touches itself. */
+/* Refuses a body whose mesh crosses or touches itself. */
 static cml_status check_self(const struct cml_scene *scene, const struct solid *solid, struct cml_error *err)
 {
     struct cml_sheet_overlap overlap;

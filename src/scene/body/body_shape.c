@@ -177,7 +177,8 @@ static cml_status make_cylinder(const struct cml_scene_body *body, int n, double
     return CML_OK;
 }
 
-/* Scales the mesh about the body's centre to the body's volume. */
+/* Scales the mesh of a body about the body's centre until it has the volume of the exact body, which a mesh
+ * inside would not have. */
 static void scale_to_volume(const struct cml_scene_body *body, struct cml_mesh *mesh)
 {
     const struct cml_scene_body made = {.form = CML_BODY_MESH, .mesh = *mesh};

@@ -155,7 +155,8 @@ static cml_status create(const struct cml_scene *scene, const double origin[2], 
     return make_grids(scene, origin, depths, surfaces, err);
 }
 
-/* Makes a mesh of each body of the scene. */
+/* Makes a copy of all bodies in which each is a mesh that deviates by at most the share `tolerance` of its
+ * radius. */
 static cml_status tessellate(const struct cml_scene *scene, double tolerance, struct cml_scene_body *bodies,
                              struct cml_error *err)
 {

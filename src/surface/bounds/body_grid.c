@@ -100,7 +100,7 @@ struct part {
     size_t triangle;
 };
 
-/* Returns the distance of p from the surface of a part, cm. */
+/* Returns the distance of p from the surface of a part (sphere, cylinder or triangle), cm. */
 static double distance_to(const struct part *part, const double p[3])
 {
     double closest[3];
@@ -153,7 +153,7 @@ static void add_mesh(struct filling *f, int body)
     }
 }
 
-/* Adds a body, or each triangle of a body's mesh, to the cells in its band. */
+/* Adds a body to the cells near its surface: a sphere or cylinder as a whole, a mesh triangle by triangle. */
 static void add_body(struct filling *f, int body)
 {
     const struct cml_scene_body *from = &f->scene->bodies[body];

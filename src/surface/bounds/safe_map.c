@@ -173,7 +173,7 @@ static size_t lay_out(const struct cml_mesh *mesh, double edge, double most, str
     return (size_t)cells;
 }
 
-/* Fills the frames of all facets for computing distances. */
+/* Computes for every facet the frame by which distances from it are found quickly. */
 static void find_facets(struct filling *f)
 {
     for (int i = 0; i < (int)f->centred->mesh.num_triangles; i++) {

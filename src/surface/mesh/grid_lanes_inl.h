@@ -278,7 +278,8 @@ CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int fi
     }
 }
 
-/* Answers all rays, group by group. */
+/* Finds for many rays at once where they meet a mesh: rays in groups pass four loops, which move them to the
+ * mesh, guess a cell, test its facets, and check the answer. Rays without a sure answer stay undecided. */
 static void cml_grid_lanes_ask(const struct cml_grid_view *view, struct cml_grid_lanes *l)
 {
     for (int first = 0; first < l->count; first += CML_GRID_GROUP) {

@@ -96,7 +96,8 @@ static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments)
     }
 }
 
-/* Fills Embree's ray, from the entry point to distance `leave`. */
+/* Fills the ray that Embree traces in single precision: from the entry point into the mesh's box to the
+ * distance `leave`, where the ray leaves the box. */
 static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRayHit *rayhit)
 {
     *rayhit = (struct RTCRayHit){.ray.mask = 0xffffffffu};
@@ -137,7 +138,7 @@ static void intersect_boxes(const struct cml_mesh_surface *surface, struct query
 #endif
 }
 
-/* Tests every triangle whose box the ray meets, in double. */
+/* Tests every triangle whose box the ray meets, in double precision; Embree finds the boxes. */
 static void query_exact(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
@@ -451,7 +452,8 @@ static cml_status build_tree(struct cml_mesh_surface *surface, struct cml_error 
                                  &surface->tree, err);
 }
 
-/* Builds the fast search for facets: cells, or a tree. */
+/* Builds the fast search for facets: cells for a mesh that does not overhang, otherwise a tree; none if
+ * Embree alone was asked for. */
 static cml_status build_search(struct cml_mesh_surface *surface, enum cml_mesh_search search,
                                struct cml_error *err)
 {

@@ -52,7 +52,7 @@ static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
     return (x - grid->corner[axis]) * grid->cells_per_cm[axis];
 }
 
-/* Finds the range of cells below the shadow's box. */
+/* Finds the cells that the box of a facet's shadow covers, widened by rounding. */
 static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
 {
     for (int k = 0; k < 2; k++) {

@@ -97,7 +97,8 @@ static void fill_facet(const struct builder *b, uint32_t facet, int i, struct cm
     leaf->facet[i] = facet;
 }
 
-/* Moves a list into memory for `room` entries. */
+/* Moves a list of nodes or leaves into new memory for `room` entries, aligned to 64 bytes for vector
+ * loops. */
 static cml_status move(struct list *list, uint32_t room, struct cml_error *err)
 {
     void *moved = aligned_alloc(64, room * list->size);

@@ -41,7 +41,8 @@ struct tested {
     int inside[CML_GROUP], exits[CML_GROUP], passed[CML_GROUP];
 };
 
-/* Prepares the ray for the test of boxes. */
+/* Prepares a ray for the test of boxes: the inverse direction, which side of a box it enters on each axis,
+ * and its origin moved by the margin. */
 static void find_slabs(const struct cml_tree_ray *ray, struct slabs *s)
 {
     for (int k = 0; k < 3; k++) {

@@ -123,8 +123,8 @@ static double dot(const double *a, const double *b, int n)
     return sum;
 }
 
-/* Solves the equations by Cholesky's factors, which replace the matrix. The matrix is an M-matrix, so that no
- * digits cancel. */
+/* Solves the equations of the volumes by Cholesky's factors of the band matrix, which replace it. The matrix
+ * is an M-matrix (negative off the diagonal), so no digits cancel. */
 static void solve(struct volumes *volumes)
 {
     const int n = volumes->pieces, all = volumes->rings * n;
@@ -168,7 +168,8 @@ static void *doubles(struct cml_arrays *arrays, size_t count)
     return cml_arrays_add(arrays, count, sizeof(double));
 }
 
-/* Computes the importance of light by ring and depth, from the diffusion equation in finite volumes. */
+/* Computes how much light at each distance from the axis (ring) and each depth matters for what a detector
+ * sees: the diffusion equation, solved in finite volumes. */
 cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers, struct cml_seen_ring seen,
                                    double reach, double depth, int rings, int cells, double *value,
                                    struct cml_error *err)

@@ -87,9 +87,9 @@ static int gathered_nodes(int order)
     return least(8 + order / 4, 64);
 }
 
-/* Adds directions that stand for light with spread directions in one interval. The light is gathered at nodes
- * in the same cosine as in add_interval, because all effects of the light are smooth functions of that
- * cosine. x, gathered: [num_samples], scratch. */
+/* Adds directions that stand for light spread over many directions, such as a cone. The light between the
+ * critical angles of two indices (below, above) is moved to a few fixed directions, because all its effects
+ * are smooth functions of the cosine. x, gathered: scratch. */
 static void add_gathered(struct cml_directions *to, const struct cml_exact_light *light, double n0,
                          double below, double above, int order, double *x, struct cml_exact_ray *gathered)
 {
@@ -110,7 +110,8 @@ static void add_gathered(struct cml_directions *to, const struct cml_exact_light
     for (int i = 0; i < count; i++) add_direction(to, above, cml_exact_node(low, high, count, i), 0);
 }
 
-/* Adds all directions. The directions of beams come before the first interval that ends beyond their s. */
+/* Adds all directions of a stack, interval by interval: those of beams, those of spread light, and the nodes
+ * of the quadrature. An interval lies between the critical angles of two neighbouring indices. */
 static void add_all(struct cml_directions *to, const double *index, int distinct, double n0,
                     const struct cml_exact_light *light, int order, double *x, struct cml_exact_ray *gathered)
 {

@@ -147,8 +147,8 @@ static cml_status solve_order(struct search *search, const struct cml_directions
     return CML_OK;
 }
 
-/* Makes walks at every rough boundary. Light in a beam's own directions reaches only the uppermost rough
- * boundary. */
+/* Computes the response of every rough boundary by random walks. lit: light in a beam's own direction
+ * reaches only the uppermost rough boundary. */
 static cml_status walk_boundaries(struct search *search, const struct cml_directions *directions, int order,
                                   struct cml_error *err)
 {

@@ -86,7 +86,8 @@ static void interpolate(const struct pieces *pieces, double depth, int cells, do
     }
 }
 
-/* Computes the importance of light by depth, for light that comes out below. */
+/* Computes for each depth how likely light there comes out below the layers. By reciprocity this is the
+ * fluence that light from below would cause there. */
 cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layers, int cells, double *value,
                                    struct cml_error *err)
 {

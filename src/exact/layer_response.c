@@ -104,8 +104,9 @@ static void transfer(struct work *w, double *Q, double *P)
     }
 }
 
-/* Computes X = A s (c + A s)^-1 with c = cosh(h sqrt(K) / 2), s = sinh(h sqrt(K) / 2) / sqrt(K), K = B A, as
- * power series. row: [n], replaced by row s (c + A s)^-1; or NULL. X, c, s, power: [n + 1][n]. */
+/* Computes the matrix X = A s (c + A s)^-1 of half a thin layer, where c = cosh(h sqrt(K) / 2), s = sinh(h
+ * sqrt(K) / 2) / sqrt(K) and K = B A are power series. row: [n], replaced by row s (c + A s)^-1; or NULL. X,
+ * c, s, power: [n + 1][n]. */
 static void half_response(struct work *w, double h, const double *A, const double *B, double *row, double *X)
 {
     const int n = w->n;
@@ -150,9 +151,9 @@ static void start(struct work *w, double h, struct cml_layer_response *to)
     }
 }
 
-/* Doubles a layer: puts an equal layer below it. e is `through`, and X = (1 - R R)^-1 - 1. The light between
- * the two layers is W = (1 + X) R T upwards and (1 + X) T = e + B downwards, where B = U + e X + X U. T
- * becomes e + e U + e B + U B, and R grows by T W. */
+/* Doubles a layer: computes the response of two equal layers, one upon the other. e is `through`, and X = (1
+ * - R R)^-1 - 1. The light between the two is W = (1 + X) R T upwards and (1 + X) T = e + B downwards, where
+ * B = U + e X + X U. T becomes e + e U + e B + U B, and R grows by T W. */
 static void double_layer(struct work *w, struct cml_layer_response *to)
 {
     const int n = w->n;

@@ -71,7 +71,8 @@ static int add_cone(const struct cml_beam *beam, double t, double weight, struct
     return count;
 }
 
-/* Fills in the rays of one beam, which together have the beam's share. Returns their number. */
+/* Replaces the light of one beam by rays, whose shares add up to the beam's: Gauss's quadrature with three
+ * nodes a panel over the angle, and directions evenly around the axis. Returns the number of rays. */
 static int sample_beam(const struct cml_beam *beam, double n, double share, struct cml_exact_ray *ray)
 {
     static const double node[] = {-0.7745966692414834, 0, 0.7745966692414834}, weight[] = {5, 8, 5};

@@ -55,9 +55,9 @@ static void add_interval(const struct cml_phase *phase, double low, double high,
     }
 }
 
-/* Integrates the moments interval by interval. For a table these lie between its rows. For other functions
- * they begin at the preferred direction, with a width over which the function is nearly constant, and each is
- * twice as long as the one before. */
+/* Integrates the Legendre moments of a phase function interval by interval. A table has an interval between
+ * each two rows. Other functions have intervals from the preferred direction on, each twice as long as the
+ * one before. */
 static cml_status integrate(const struct cml_phase *phase, int count, double *moment, struct cml_error *err)
 {
     struct rule rule = {.most = 32 + 2 * count};

@@ -70,9 +70,9 @@ static void finish(struct walks *w, struct cml_rough_walk walk, int k, double po
     arrive(w, &walk, power);
 }
 
-/* Makes one walk. At the first facet the power divides into reflection and transmission, which saves most of
- * the noise. The word that decides between them is 0, the smallest number, for reflection, and all ones, the
- * largest, for transmission. */
+/* Makes one walk over the facets of a rough boundary. At the first facet the power divides into a reflected
+ * and a transmitted part, both of which are followed, because this saves most of the noise. The word 0
+ * forces reflection, all ones transmission. */
 static void walk(struct walks *w, int k, double power)
 {
     const double sine = sqrt(1 - w->start->cosine * w->start->cosine);

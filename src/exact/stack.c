@@ -68,9 +68,9 @@ static cml_status allocate(struct stack *stack, const struct cml_directions *dir
     return cml_arrays_check(&stack->arrays, "layers", err);
 }
 
-/* Adds a smooth boundary on top, below a medium with n directions. Directions that exist on one side only are
- * reflected totally. Light that passes back and forth between the boundary and the stack adds up to (1 - r
- * below)^-1. */
+/* Puts a smooth boundary on top of the stack, below a medium with n directions. Directions that exist on one
+ * side only are reflected totally. Light that passes back and forth between boundary and stack adds up to (1
+ * - r below)^-1. */
 static void add_boundary(struct stack *stack, const struct cml_directions *directions, double above,
                          double below, int n)
 {
@@ -100,8 +100,8 @@ static void add_boundary(struct stack *stack, const struct cml_directions *direc
     stack->n = n;
 }
 
-/* Adds a rough boundary on top, below a medium with n directions. The light T (1 - R_below below)^-1 goes
- * down. */
+/* Puts a rough boundary on top of the stack, below a medium with n directions. The stack gets the light T (1
+ * - R_below below)^-1 from above, with all passes back and forth. */
 static void add_rough(struct stack *stack, const struct cml_directions *directions,
                       const struct cml_rough_matrices *rough, int n)
 {
@@ -123,8 +123,8 @@ static void add_rough(struct stack *stack, const struct cml_directions *directio
     stack->n = n;
 }
 
-/* Adds a layer on top, whose absorbed share is row `number`. The stack below gets the share (1 - R below)^-1
- * T of the incident light, and Z comes back from there. */
+/* Puts a layer on top of the stack, whose absorbed share becomes row `number`. The stack below gets the
+ * share (1 - R below)^-1 T of the incident light, and Z comes back from there. */
 static void add_layer(struct stack *stack, const struct cml_directions *directions,
                       const struct cml_layer_response *layer, int number)
 {

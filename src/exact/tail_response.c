@@ -68,10 +68,9 @@ static cml_status solve(const struct cml_medium_def *stack, int num_layers,
     return status;
 }
 
-/* Returns the largest relative change from an old to a new response. A response below a thousandth of the
- * largest in its row is compared with that thousandth. Changes for grazing light count less, because only a
- * share of c^2 of diffuse light arrives with a cosine below c: a change is multiplied by 30 c^2 if that is
- * below 1. */
+/* Returns the largest relative change from old to new responses, by which the search for enough directions
+ * ends. Responses below a thousandth of the largest in their row are compared with that thousandth. Grazing
+ * light counts less, because little arrives: by 30 c^2 at a cosine c. */
 static double largest_change(const struct cml_flat_tail *tail, const double *old, const double *new, int rows,
                              int count)
 {
@@ -110,8 +109,8 @@ static cml_status converge(const struct cml_medium_def *stack, int num_layers,
                     orders[NUM_ORDERS - 1]);
 }
 
-/* Fills the table of one interval by interpolation from the responses at the interval's nodes, which begin at
- * number `first` among `count` rays. response: [1 + layers][count]. */
+/* Fills the table of one interval of directions by interpolation from the responses at its nodes, which
+ * begin at number `first` among `count` rays. response: [1 + layers][count]. */
 static void fill_interval(const struct cml_flat_tail *tail, int interval, const double *response, int first,
                           int count, double *table)
 {

@@ -108,8 +108,7 @@ static int list_missing(const struct cml_run_setup *setup, const struct cml_part
     return missing;
 }
 
-/* Fails with the number of the missing part, which is the one that begins with this turn. The parts in files
- * tell how many parts the run has. */
+/* Refuses to join a run of which parts are missing, and names them. turn: the first one that no part has. */
 static cml_status fail_missing(const struct cml_run_setup *setup, const struct cml_part_files *files,
                                uint64_t turn, struct cml_error *err)
 {
@@ -145,7 +144,7 @@ static struct cml_part_file *find_at(const struct cml_run_setup *setup, const st
     return NULL;
 }
 
-/* Refuses a file of this run that has photons of another file, too. Marks all files of the run as joined. */
+/* Refuses a part whose photons another part has, too, and marks all parts of the run as joined. */
 static cml_status check_twice(const struct cml_run_setup *setup, struct cml_part_files *files,
                               struct cml_error *err)
 {

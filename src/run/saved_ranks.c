@@ -39,8 +39,8 @@ static uint64_t take(struct cml_saved *saved, const char *blocks, size_t size)
     return left;
 }
 
-/* Moves all rows to rank 0, block by block. blocks: room for one block of each rank on rank 0, unused
- * elsewhere. mine: room for this rank's block. */
+/* Moves the saved packets of all ranks to rank 0, block by block, until no rank has any left. blocks: room
+ * for one block of each rank on rank 0; mine: room for this rank's block. */
 static cml_status exchange(struct cml_saved *saved, size_t most, size_t size, char *blocks, char *mine,
                            struct cml_error *err)
 {

@@ -31,8 +31,9 @@ void cml_result_expected_layer(const struct cml_result *result, int layer, doubl
     *error = cml_result_absorbed_error(result, layer);
 }
 
-/* Returns the mean over packets, by weight: R = sum X / sum Y. The error comes from the batches, which
- * differ from R by (X_b - R Y_b) / sum Y [Cochran, Sampling Techniques, section 6.3]. */
+/* Returns the mean of a moment over the packets that detector k has seen, weighted by weight: R = sum X /
+ * sum Y. Its standard error comes from the batches, which differ from R by (X_b - R Y_b) / sum Y [Cochran,
+ * Sampling Techniques, section 6.3]. moment: bin i of a profile with n bins for each batch. */
 double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, int n, int i, int k,
                        double *error)
 {

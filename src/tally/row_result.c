@@ -128,7 +128,8 @@ static void take_directions(const struct row *row, size_t first)
     }
 }
 
-/* Makes the result and fills in all sums by batch. Detectors of rows have no pixels. */
+/* Makes the result of a row with the flight's sizes, and copies all sums by batch. Detectors of rows have no
+ * pixels. */
 static cml_status take_batches(const struct row *row, struct cml_error *err)
 {
     const struct cml_tally_grid *flown = &row->flight->grid;

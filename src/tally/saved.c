@@ -47,8 +47,8 @@ double cml_saved_bytes(const struct cml_saved_kind *kind)
                : 0;
 }
 
-/* Allocates rows and sorting keys for more rows than the limit, so that surplus rows need not be dropped one
- * by one. */
+/* Allocates the store of saved packets; NULL if none are to be saved. It has room for more rows than the
+ * limit, so that surplus rows need not be dropped one by one. */
 cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved **saved,
                             struct cml_error *err)
 {

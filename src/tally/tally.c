@@ -93,7 +93,8 @@ static void prefer_large_pages(void *block, size_t bytes)
 #endif
 }
 
-/* Allocates all arrays of a tally in one block, so that merging and clearing are one loop. */
+/* Makes an empty tally for this grid. All its arrays lie in one block, so that adding and clearing are one
+ * loop. */
 cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally *tally, struct cml_error *err)
 {
     *tally = (struct cml_tally){.grid = *grid,

@@ -26,9 +26,8 @@ static void note_line(const struct cml_scene *scene, int line, const char *forma
 
 #define note(scene, b, ...) note_line(scene, (scene)->boundaries[b].line, __VA_ARGS__)
 
-/* Notes beams and maps that reach beyond a mesh. Light there meets the plane in which the boundary continues,
- * which may not be meant. The beam's axis is taken as straight, without refraction, down to the depth of the
- * mesh's border. */
+/* Notes beams and maps that reach beyond the mesh of boundary b, where light meets the plane in which the
+ * boundary continues. The beam's axis is taken as straight, down to the depth of the mesh's border. */
 static cml_status note_reach(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];

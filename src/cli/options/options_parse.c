@@ -231,8 +231,8 @@ static void keep_call(int argc, char **argv, struct cml_options *options)
     options->call[0] = '\0';
 }
 
-/* Reads the words that decide which options are allowed, wherever they stand: the command, the engine,
- * --help. Flags and the engine are read again later, without a change; so are mistakes. */
+/* Reads in advance the words that decide which options are allowed, wherever they stand: the command, the
+ * engine and --help. Mistakes are left to the second reading. */
 static void look_ahead(int argc, char **argv, struct cml_options *options)
 {
     struct words words = {.argc = argc, .at = 1, .argv = argv};

@@ -130,9 +130,8 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
     return cml_aim_refuse(scene, name, length, expected, err);
 }
 
-/* Makes an aim. media: media of the flat scene. tail: whether to make the tail (expected values), which takes
- * longest. The names of the aim are checked in any case. That enough light gets there is only checked with
- * the tail, because the check needs expected values. */
+/* Makes what an aim needs: weight windows, and a table of the flat tail if `tail` (takes longest). All names
+ * in `aim` are checked in any case. media: those of the flat scene. */
 static cml_status create(const char *aim, const struct cml_scene *scene,
                          const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                          bool tail, struct cml_aim *to, struct cml_error *err)

@@ -64,8 +64,8 @@ static void note_trapped(const struct cml_report *report)
     cml_show_note(NULL, text);
 }
 
-/* Writes the files before anything is printed, so that the printed text is true. A run with lost packets or
- * an imbalance is written, too; its status is returned last. */
+/* Writes the files of a run and then prints its summary, so that the printed text is true. A run with lost
+ * packets or an imbalance is written, too; its status is returned last. */
 static cml_status publish(const struct cml_run_call *call, struct cml_report *report,
                           struct cml_record *record, struct cml_error *err)
 {
@@ -148,8 +148,8 @@ static bool may_aim(const struct cml_run_setup *setup)
     return !setup->options.tail && !setup->options.windows && strcmp(setup->engine->name, "opencl") != 0;
 }
 
-/* Publishes a run on rank 0. Its checkpoint then says that the run is finished, so that --resume skips it;
- * with --keep the checkpoint also has the tallies, and must be written. */
+/* Writes the result of a run on rank 0, and marks its checkpoint as finished, so that --resume skips the
+ * run. With --keep the checkpoint also keeps the sums, and must be written. */
 static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
                               struct cml_run_result *run, struct cml_record *record, struct cml_error *err)
 {
@@ -382,8 +382,8 @@ static cml_status fail_more(const char *path, const char *what, struct cml_error
     return cml_fail(err, CML_E_INPUT, "--more: %s %s", path, what);
 }
 
-/* Finds on rank 0, from the checkpoint, how many photons --more makes. With --resume, an extension by the
- * same number of photons is the same run, and goes on. */
+/* Finds on rank 0 how many photons the run of --more has, from the checkpoint that it extends. With
+ * --resume, an extension by the same number of photons is the same run, and goes on. */
 static cml_status plan_more(const struct cml_options *options, struct cml_run_setup *setup, const char *path,
                             struct cml_error *err)
 {
@@ -424,7 +424,8 @@ static cml_status plan_more_of(const struct cml_run_call *call, struct cml_run_s
     return plan_more(call->options, setup, path, err);
 }
 
-/* Plans the photons on all ranks, before any step that may fail on one rank alone. */
+/* Decides on all ranks which photons the run flies, before any step that may fail on one rank alone.
+ * Checkpoint, --part and --more have a say. */
 static cml_status plan_photons(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
@@ -519,7 +520,8 @@ static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml
     return setup;
 }
 
-/* Frees whatever prepare has made, complete or not. No rank may return before all agree. */
+/* Does one run from beginning to end: plans, prepares, flies and publishes. Frees whatever was made,
+ * complete or not. No rank may return before all agree. */
 cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;

@@ -44,9 +44,9 @@ static int row_of_checkpoint(const struct cml_sweep_run *sweep, int row)
     return first;
 }
 
-/* Looks at the existing result of a row, for --resume. Without a checkpoint the row is flown again: the sweep
- * that left the result had no --resume. A result with more photons than the row is kept, and ends the sweep;
- * with --target-error the photons are not known before, so nothing is refused. */
+/* Looks at the existing result of a row, for --resume. Without a checkpoint the row is flown again. A result
+ * with more photons than the row ends the sweep, so that no work is lost; with --target-error the photons
+ * are not known before. */
 static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const struct cml_scene *scene,
                                  struct cml_error *err)
 {

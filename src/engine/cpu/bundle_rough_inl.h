@@ -188,7 +188,9 @@ static void cml_end_rough_walks(struct cml_flight *f, cml_u32 steps)
     cml_close_up_rough_walks(w);
 }
 
-/* Takes all lanes that have come to a rough plane of this kind through it (P20). */
+/* Takes all lanes that have come to a rough plane with this distribution of slopes through the plane (P20):
+ * all walk over its facets at once, round by round, until each has left. Walks that meet too many facets are
+ * given up as lost. */
 static void cml_cross_rough_planes_of(struct cml_flight *f, uint64_t lanes, enum cml_rough_kind kind)
 {
     struct cml_rough_lanes *w = f->rough;

@@ -91,10 +91,9 @@ static void cml_place_exits(struct cml_flight *f, int first, cml_u32 exits, int 
     }
 }
 
-/* Moves packets of a group that leave through a plane (P6), mask `exits`, into the collection of terminated
- * packets. Columns are packed: the values of the lanes in the mask move side by side, behind the entries of
- * the collection. Deposits since the last booking go along, and are booked for the layer that the packets
- * leave. The lanes keep their columns, which are not used until the lanes are refilled. */
+/* Collects the packets of a group of lanes that leave the scene through a plane (P6), mask `exits`. Columns
+ * are packed: the values of these lanes move side by side, behind the ends collected so far. Deposits not
+ * yet added to the sums go along, and count for the layer that the packets leave. */
 static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 {
     const struct cml_bundle *b = f->b;
@@ -295,9 +294,9 @@ static void cml_score_tail_at_planes(struct cml_flight *f, uint64_t above)
     }
 }
 
-/* Handles the planes that lanes with MAY_HIT meet: reaches them, reflects or refracts, leaves or enters a
- * layer. Lanes of packets that have left are refilled at once, and all lanes in flight get a new path, so
- * that they may interact in this same pass. */
+/* Handles all lanes that meet a plane in this pass: moves them there, reflects or refracts them, and lets
+ * them leave or enter a layer. Lanes of packets that have left get new packets at once, and all lanes get a
+ * new path, so that they may interact in the same pass. */
 static void cml_cross_planes(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -523,8 +522,9 @@ static void cml_flight_pass(struct cml_flight *f)
     if (f->ended) cml_refill(f);
 }
 
-/* Begins a flight: finds the facts that all packets share, and launches the first ones. On entry f holds
- * world, bundle (all 0), tally, media, source and branches; all else is 0. */
+/* Begins the flight of a thread's lanes: finds what all packets share (such as the first hit of a pencil
+ * beam), and launches the first ones. On entry f holds world, bundle (all 0), tally, media, source and
+ * branches; all else is 0. */
 static void cml_flight_begin(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -571,9 +571,9 @@ static void cml_flight_run(struct cml_flight *f)
     if (!f->given_up) cml_end_batch(f);
 }
 
-/* Flies all packets that the source hands out. All results go into `tally`, which no other thread writes,
- * except for the arrays that threads share. media: [num_layers + 2 + num_bodies]; factors: as in
- * cml_flight. */
+/* Flies all packets that the source gives to one thread, CML_LANES at a time, and adds them to `tally`,
+ * which no other thread writes, except for arrays that threads share. media: [num_layers + 2 + num_bodies];
+ * factors: as in cml_flight. */
 static inline void cml_bundle_walk(const struct cml_world *world, const struct cml_lane_medium *media,
                                    const struct cml_range_source *source, real *factors,
                                    struct cml_branches *branches, struct cml_tally *tally)

@@ -48,10 +48,9 @@ static void cpu_close(void *self)
     free(cpu);
 }
 
-/* Makes a tally for each thread, so that no addition needs a lock. Maps, volume and facets belong to the
- * first tally, and all threads add to them by atomic additions. So does an A_rz or a phi that is too large
- * for a copy each (cml_tally_grid_of_thread); then the first tally belongs to no thread, and there is one
- * more. */
+/* Makes a tally for each thread, so that additions need no lock. Large arrays belong to the first tally, and
+ * all threads add to them by atomic additions. If even A_rz or the fluence is too large for a copy each, the
+ * first tally belongs to no thread, and there is one more. */
 static cml_status create_tallies(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, struct cpu_engine *cpu,
                                  struct cml_error *err)

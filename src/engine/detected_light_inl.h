@@ -172,6 +172,7 @@ struct cml_seen {
     uint64_t *detector, *detector_t, *moments;
 };
 
+/* Returns where a tally sums what detectors see: totals, time gates and moments. */
 static inline struct cml_seen cml_seen_by(const struct cml_tally *tally)
 {
     return (struct cml_seen){tally->detector, tally->detector_t, tally->moments};

@@ -136,6 +136,7 @@ bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patie
     return now - patience->since > PATIENCE;
 }
 
+/* Makes the error of a run that was stopped and whose last packets would not end. */
 cml_status cml_engine_given_up(struct cml_error *err)
 {
     return cml_fail(err, CML_E_STOPPED, "packets that do not end were given up");

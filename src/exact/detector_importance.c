@@ -60,6 +60,7 @@ static void cut(const struct cml_medium_def *media, int layers, double reach, do
     for (int i = 0; i <= to->rings; i++) to->border[i] = reach * pow((double)i / to->rings, 2);
 }
 
+/* Returns the area of a ring around the axis, cm2. */
 static double area(const struct volumes *volumes, int ring)
 {
     return M_PI * (pow(volumes->border[ring + 1], 2) - pow(volumes->border[ring], 2));

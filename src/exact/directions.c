@@ -130,6 +130,7 @@ static void add_all(struct cml_directions *to, const double *index, int distinct
     }
 }
 
+/* Returns the cosine of direction i in a medium of index n, by Snell's law. */
 double cml_directions_cosine(const struct cml_directions *directions, int i, double n)
 {
     return refracted_cosine(directions->index[i], directions->cosine[i], n);

@@ -21,6 +21,8 @@ struct pieces {
     double *absorbed;             /* [count] share of the light that each piece absorbs */
 };
 
+/* Returns into how many pieces a layer of thickness d is cut: by its share of the whole depth, and two
+ * more. */
 static int pieces_of(double d, double depth)
 {
     return 2 + (int)(PIECES * d / depth);

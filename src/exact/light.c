@@ -35,11 +35,14 @@ static void piece_of(const struct cml_light *light, double n, int piece, double 
     ends[1] = table ? light->t[piece + 1] : cml_light_widest(light, n);
 }
 
+/* Returns into how many panels a piece of the angle is divided for Gauss's quadrature. */
 static int panels_of(const double ends[2])
 {
     return (int)ceil((ends[1] - ends[0]) / PANEL);
 }
 
+/* Returns how many azimuths stand for a cone of light: one for a vertical beam, around which all are
+ * alike. */
 static int azimuths_of(const struct cml_beam *beam)
 {
     return beam->angle == 0 ? 1 : AZIMUTHS;
@@ -101,6 +104,7 @@ static int compare_rays(const void *a, const void *b)
     return (x < y) - (x > y);
 }
 
+/* True if the light of a beam is spread over a cone or given by a table. */
 static bool is_spread(const struct cml_beam *beam)
 {
     return beam->light.kind == CML_LIGHT_OF_NA || beam->light.kind == CML_LIGHT_OF_TABLE;
@@ -138,6 +142,7 @@ static cml_status check_beams(const struct cml_scene *scene, double top, struct 
     return CML_OK;
 }
 
+/* True if adding-doubling can compute this scene: light from above, and no backing of metal. */
 bool cml_exact_knows(const struct cml_scene *scene, double top)
 {
     return scene->backing.kind != CML_BACKING_METAL && all_come_from_above(scene, top);
@@ -192,6 +197,7 @@ double cml_exact_light_normal(const struct cml_exact_light *light)
     return share;
 }
 
+/* Returns node i of Chebyshev's nodes between low and high, at which interpolation is most accurate. */
 double cml_exact_node(double low, double high, int count, int i)
 {
     return 0.5 * (low + high) + 0.5 * (high - low) * cos(CML_PI * (i + 0.5) / count);

@@ -30,6 +30,7 @@ static void add_power(double g, double share, int count, double *moment)
     for (int l = 0; l < count; l++) moment[l] += share * (g < 0 && l % 2 ? -1 : 1) * pow(fabs(g), l);
 }
 
+/* Returns the angle of a deflection 1 - cos(theta), rad, without loss of digits at small angles. */
 static double angle_of(double deflection)
 {
     return 2 * asin(fmin(sqrt(deflection / 2), 1));

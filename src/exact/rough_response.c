@@ -86,6 +86,7 @@ static int count_walks(const struct work *w, int j, bool from_below, double walk
 
 /* ---- matrices ---- */
 
+/* Returns the weight of direction i, which counts those above the boundary first, then those below. */
 static double etendue(const struct work *w, int i)
 {
     return w->directions->etendue[i < w->above ? i : i - w->above];
@@ -161,6 +162,7 @@ static struct cml_rough_matrices matrices_of(const struct work *w, struct cml_ar
                                        .T_below = cml_arrays_add(arrays, above * below, sizeof(double))};
 }
 
+/* Adds a part's matrix to the mean over all parts. */
 static void add_mean(const double *part, size_t count, double *mean)
 {
     for (size_t i = 0; i < count; i++) mean[i] += part[i] / CML_ROUGH_PARTS;

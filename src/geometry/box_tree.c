@@ -36,6 +36,8 @@ struct node {
     size_t at, first, count;
 };
 
+/* Returns the root of a tree: the node of all boxes. Nodes are not stored; a node follows from its place and
+ * count. */
 static struct node root_of(const struct cml_boxtree *tree)
 {
     return (struct node){0, 0, tree->n};

@@ -93,6 +93,7 @@ const char *cml_mesh_place(const double position[3], char text[112])
     return text;
 }
 
+/* True if all vertices of a mesh lie at one depth, which is then *z. */
 bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z)
 {
     for (size_t i = 1; i < mesh->num_vertices; i++)

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Makes the error that memory ran out while the border of a mesh was searched. */
 static cml_status no_memory(const struct cml_mesh *mesh, struct cml_error *err)
 {
     return cml_fail_memory(err, 5.0 * (double)mesh->num_vertices, "the border of a mesh");
@@ -107,6 +108,7 @@ static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struc
     return status;
 }
 
+/* Returns the largest side of the mesh's bounding box, cm. */
 double cml_mesh_extent(const struct cml_mesh *mesh)
 {
     double extent = 0;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Makes the error that memory ran out while edges of a mesh were paired. */
 static cml_status no_memory(const struct cml_mesh *mesh, struct cml_error *err)
 {
     return cml_fail_memory(err, 36.0 * (double)mesh->num_triangles, "the edges of a mesh");

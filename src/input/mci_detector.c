@@ -37,6 +37,7 @@ void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_pa
 
 /* ---- shapes ---- */
 
+/* Refuses a ring whose inner radius is not smaller than its outer one. */
 static cml_status check_radii(const struct cml_mci_line *line, const double *radius)
 {
     char value[80];
@@ -164,6 +165,7 @@ cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *sce
                          read_rows, &table);
 }
 
+/* Refuses a value of detector k, with the line of the scene or the row of the table that it comes from. */
 static cml_status fail_detector(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                                 const char *field, const char *value, const char *expected)
 {
@@ -188,6 +190,7 @@ static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene 
     return detector->name ? CML_OK : cml_text_copy(number, &detector->name, reader->err);
 }
 
+/* Orders detectors by name, then by line, for qsort. */
 static int compare_names(const void *a, const void *b)
 {
     const struct cml_detector_def *const *one = a, *const *other = b;

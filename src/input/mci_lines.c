@@ -7,6 +7,7 @@
 
 static const char blanks[] = " \t\v\f\r";
 
+/* Opens a .mci file: reads it whole, and stands before the first line. */
 cml_status cml_mci_open(const char *path, const struct cml_input_options *options,
                         struct cml_mci_reader *reader, struct cml_error *err)
 {
@@ -47,6 +48,7 @@ char *cml_mci_find_word(char *line, const char *key)
     return found;
 }
 
+/* Returns the text of the current line as it stands in the file. */
 const char *cml_mci_raw(const struct cml_mci_reader *reader)
 {
     return reader->kept + reader->kept_last;
@@ -188,6 +190,7 @@ void cml_mci_cut_comment(char *text)
     }
 }
 
+/* Refuses a value in the current line. */
 cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field, const char *value,
                         const char *expected)
 {
@@ -292,6 +295,7 @@ cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner, con
     return cml_mci_fail(reader, name, word, "the end of the line or a comment");
 }
 
+/* Refuses further words where the line should end; a comment is allowed. */
 cml_status cml_mci_end_line(struct cml_mci_reader *reader, const char *owner)
 {
     const char *word = cml_text_word(&reader->cursor);

@@ -65,6 +65,7 @@ cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_scene *scen
     return cml_mci_options(&line);
 }
 
+/* Refuses the option `detected` of the line `photons` if the scene has no detectors. */
 cml_status cml_mci_check_photons(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     if (!scene->saved.detected || scene->num_detectors > 0) return CML_OK;

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+/* Refuses a value of an option in the current line; the field is named "OWNER: FIELD". */
 cml_status cml_mci_fail_option(const struct cml_mci_line *line, const char *field, const char *value,
                                const char *expected)
 {
@@ -11,6 +12,7 @@ cml_status cml_mci_fail_option(const struct cml_mci_line *line, const char *fiel
     return cml_mci_fail(line->reader, name, value, expected);
 }
 
+/* Refuses the value of the option that was read last. */
 cml_status cml_mci_fail_value(const struct cml_mci_line *line, const char *expected)
 {
     return cml_mci_fail_option(line, line->key->name, line->value, expected);
@@ -103,6 +105,7 @@ static cml_status take_option(struct cml_mci_line *line, char *word)
     return fail_unknown(line, word);
 }
 
+/* Reads all options key=value up to the end of the line. */
 cml_status cml_mci_options(struct cml_mci_line *line)
 {
     for (char *word; (word = cml_text_word(&line->reader->cursor));) CML_TRY(take_option(line, word));

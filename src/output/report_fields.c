@@ -40,6 +40,7 @@ static const cml_u128 *cells_of(const struct cml_field_source *source, size_t i)
     return source->cells + (source->face ? source->face[i].facet : i / source->per_facet) * source->stride;
 }
 
+/* Returns by what value i of a field is divided to become a density, such as an area; 1 if by nothing. */
 static double measure_of(const struct cml_field_source *source, size_t i)
 {
     return source->measure ? source->measure(source, i) : 1;
@@ -217,6 +218,7 @@ void cml_field_list_free(struct cml_field_list *c)
     *c = (struct cml_field_list){0};
 }
 
+/* Returns the field that was added last. */
 static struct cml_field *last_field(const struct cml_field_list *c)
 {
     return &c->fields[c->num_fields - 1];
@@ -489,6 +491,8 @@ static void add_body_scores(struct cml_field_list *c, const struct cml_body_face
     }
 }
 
+/* Adds what is known of each drawn face of bodies: the number of its body, and the light that its facet
+ * received and sent. */
 void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_faces *drawn)
 {
     c->axis[CML_AXIS_body_facet] = cml_quantity_axis(CML_AXIS_face, drawn->faces.num_faces, 0, 1);

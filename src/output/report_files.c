@@ -38,6 +38,7 @@ static bool wants_fields(const struct cml_scene *scene, const struct cml_report_
     return cml_hdf5_available() && (scene->format == 'B' || outgrows_mco(scene, asks));
 }
 
+/* Returns the options on which the set of written files depends. */
 static struct cml_report_asks asks_of(const struct cml_tally_grid *grid)
 {
     return (struct cml_report_asks){grid->absorption, grid->scores > 0 || grid->derivatives};

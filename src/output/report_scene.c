@@ -111,6 +111,7 @@ static void print_extent(FILE *stream, const struct cml_body_surface *body, enum
             body->depth + body->upper[2], least, most);
 }
 
+/* Prints the roughness of a surface, if it has any. */
 static void print_roughness(FILE *stream, const struct cml_rough_def *rough)
 {
     if (cml_is_rough(rough)) fprintf(stream, ", rough %s %.9g", cml_rough_word(rough->kind), rough->alpha);

@@ -35,6 +35,7 @@ static void set_axes(struct fields *f, const struct cml_outcome *o)
     }
 }
 
+/* True if the run did not tally absorption by place (--ignore-absorption). */
 static bool lacks_absorption(const struct cml_outcome *o)
 {
     return o->provenance.value[CML_DECIDES_absorption] == 0;

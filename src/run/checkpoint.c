@@ -32,11 +32,13 @@ static const char magic[24] = CML_CHECKPOINT_MAGIC;
 #define ORDER 0x0102030405060708u /* a machine of the other byte order reads another number */
 #define VERSION 16u               /* version of this layout; the program refuses any other */
 
+/* Makes the name of the checkpoint of a result. */
 cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
 {
     return cml_text_format(path, "a path", err, "%s.checkpoint", output);
 }
 
+/* Makes the name of the file of a part, such as NAME.part2of7. */
 cml_status cml_part_path(const char *output, struct cml_part part, char **path, struct cml_error *err)
 {
     return cml_text_format(path, "a path", err, "%s.part%" PRIu64 "of%" PRIu64, output, part.number,
@@ -140,6 +142,7 @@ cml_status cml_checkpoint_write(const char *path, const char *identity, const ch
     return status;
 }
 
+/* Removes the older version of a checkpoint, if there is one. */
 void cml_checkpoint_remove_older(const char *path)
 {
     struct cml_error ignored;

@@ -152,11 +152,13 @@ static bool is_single(void)
     return cml_ranks.size == 1 || atomic_load(&cml_ranks.alone);
 }
 
+/* Returns the number of this rank; 0 while it works alone. */
 int cml_cluster_rank(void)
 {
     return atomic_load(&cml_ranks.alone) ? 0 : cml_ranks.rank;
 }
 
+/* Returns the number of ranks; 1 while this rank works alone. */
 int cml_cluster_size(void)
 {
     return atomic_load(&cml_ranks.alone) ? 1 : cml_ranks.size;
@@ -182,6 +184,7 @@ void cml_cluster_set_timeout(double seconds)
     cml_ranks.timeout = seconds;
 }
 
+/* True if some rank has not been heard of for too long. */
 bool cml_cluster_contact_lost(void)
 {
     return atomic_load(&cml_ranks.lost_rank) >= 0;

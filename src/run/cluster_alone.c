@@ -61,12 +61,14 @@ void cml_cluster_await_launcher(void)
 {
 }
 
+/* Returns the status of the single rank, as no other has a say. */
 cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
 {
     (void)err;
     return mine;
 }
 
+/* Does nothing: a single rank has the data already. */
 cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
 {
     (void)data;
@@ -75,6 +77,7 @@ cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
     return CML_OK;
 }
 
+/* Does nothing: a single rank has the block already. */
 cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error *err)
 {
     (void)block;
@@ -83,6 +86,7 @@ cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error 
     return CML_OK;
 }
 
+/* Gathers the data of the single rank: a copy. */
 cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct cml_error *err)
 {
     (void)err;
@@ -90,6 +94,7 @@ cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct c
     return CML_OK;
 }
 
+/* Does nothing: the sums of a single rank are complete. */
 cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
 {
     (void)result;
@@ -107,6 +112,7 @@ bool cml_cluster_sync_requested(void)
     return atomic_load(&sync_requested) != 0;
 }
 
+/* Requests a stop by bit 1 (value 2); bit 0 (value 1) requests a synchronisation. */
 void cml_cluster_request_stop(void)
 {
     atomic_fetch_or(&sync_requested, 2);

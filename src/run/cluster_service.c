@@ -170,6 +170,7 @@ static int first_peer(void)
     return cml_ranks.rank == 0 ? 1 : 0;
 }
 
+/* Returns the end of the list of ranks that this rank watches: rank 0 watches all, the others only rank 0. */
 static int end_of_peers(void)
 {
     return cml_ranks.rank == 0 ? cml_ranks.size : 1;
@@ -255,6 +256,7 @@ void cml_cluster_request_sync(void)
         cml_cluster_recall();
 }
 
+/* Asks all ranks to end what they do alone and to meet. Even numbers of meetings mean no stop. */
 void cml_cluster_recall(void)
 {
     raise_requested(2 * (atomic_load(&service.syncs_done) + 1));
@@ -291,11 +293,13 @@ void cml_cluster_alone(bool alone)
     atomic_store(&cml_ranks.alone_sync, 0);
 }
 
+/* True if this rank works alone and was asked to meet the others. */
 bool cml_cluster_recalled(void)
 {
     return atomic_load(&cml_ranks.alone) && all_requested();
 }
 
+/* True if all ranks were asked to meet. */
 bool cml_cluster_sync_requested(void)
 {
     return atomic_load(&cml_ranks.alone) ? atomic_load(&cml_ranks.alone_sync) != 0 : all_requested();

@@ -74,6 +74,7 @@ void cml_stop_before_flight(void)
     }
 }
 
+/* Lets signals be remembered from now on, because a flight begins that can write a checkpoint. */
 void cml_stop_watch(void)
 {
     atomic_store(&flying, 1);

@@ -13,6 +13,7 @@ double cml_flat_tail_widest(const struct cml_flat_tail *tail, int interval)
     return pow((1 - share) * (1 + share), 0.25);
 }
 
+/* True if light from any direction contributes to this score (a layer's absorption, or the transmittance). */
 bool cml_flat_tail_has(const struct cml_flat_tail *tail, int score)
 {
     const int rows = tail->intervals * (CML_FLAT_TAIL_CELLS + 1);

@@ -61,6 +61,7 @@ void cml_sheet_clear(struct cml_sheet *sheet)
     memset(sheet, 0, sizeof *sheet);
 }
 
+/* Gives the three corners of triangle i of a sheet, in the scene's frame. */
 static void corners(const struct cml_sheet *sheet, uint32_t i, const double *v[3])
 {
     for (int k = 0; k < 3; k++) v[k] = sheet->vertex[sheet->mesh->triangle[i][k]];

@@ -97,6 +97,7 @@ static double hg_below(double g, double x)
     return (1 - g * g) * x / (a * b * (a + b));
 }
 
+/* Returns the density of Henyey and Greenstein's phase function at the deflection x = 1 - cos(theta). */
 static double hg_density(double g, double x)
 {
     return (1 - g * g) / 2 / pow((1 - g) * (1 - g) + 2 * g * x, 1.5);

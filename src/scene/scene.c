@@ -203,11 +203,15 @@ bool cml_scene_starts_inside(const struct cml_scene *scene)
     return false;
 }
 
+/* Returns the sine of a beam's angle to the vertical: exactly 0 for a beam straight up, which rounding of pi
+ * would miss. */
 double cml_beam_sine(const struct cml_beam *beam)
 {
     return beam->angle < CML_PI ? sin(beam->angle) : 0;
 }
 
+/* Returns the downward component of a beam's direction: exactly 0 for a level beam, which rounding of pi/2
+ * would miss. */
 double cml_beam_descent(const struct cml_beam *beam)
 {
     return beam->angle == CML_PI / 2 ? 0 : cos(beam->angle);
@@ -232,6 +236,7 @@ bool cml_beam_axes(const struct cml_beam *beam, int axis[2])
     return fabs(quarters - whole) < 1e-9;
 }
 
+/* Returns which bodies lie in layer l: bodies are sorted by layer, so they form a range. */
 struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l)
 {
     return (struct cml_body_range){first_body_from(scene, l), first_body_from(scene, l + 1)};

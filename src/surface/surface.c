@@ -393,6 +393,7 @@ void cml_surfaces_free(struct cml_surface_set *set)
     *set = (struct cml_surface_set){0};
 }
 
+/* True if all boundaries are planes and there are no bodies. */
 bool cml_surfaces_are_planes(const struct cml_surface_set *set)
 {
     if (set->bodies.count > 0) return false;
@@ -401,6 +402,7 @@ bool cml_surfaces_are_planes(const struct cml_surface_set *set)
     return true;
 }
 
+/* True if all boundaries are planes without roughness and there are no bodies. */
 bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set)
 {
     for (int b = 0; b < set->count; b++)

@@ -32,11 +32,13 @@ struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options
     return tessellation;
 }
 
+/* Estimates the time of a query of a mesh, ns. */
 struct cml_expectation cml_choice_expect_mesh(void)
 {
     return (struct cml_expectation){.query_ns = MESH_NS};
 }
 
+/* Estimates the time of a query of a boundary made of cones, ns: it grows with the number of rings. */
 struct cml_expectation cml_choice_expect_cones(int rings)
 {
     return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * rings};

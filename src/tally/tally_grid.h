@@ -112,6 +112,7 @@ static inline size_t cml_groups_of(size_t step)
 {
     return step ? CML_NUM_GROUPS : 1;
 }
+/* Returns how many copies of the cell arrays are kept: one for each group of batches, or one. */
 static inline int cml_cell_groups(const struct cml_tally_grid *grid)
 {
     return grid->cell_errors ? CML_NUM_GROUPS : 1;

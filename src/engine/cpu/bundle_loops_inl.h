@@ -23,11 +23,13 @@ static inline cml_u32 cml_pick_word(int active, cml_u32 a, cml_u32 b)
 #endif
 }
 
+/* Returns a if `active` is 1, otherwise b, without a branch. */
 static inline int cml_pick_int(int active, int a, int b)
 {
     return (int)cml_pick_word(active, (cml_u32)a, (cml_u32)b);
 }
 
+/* Returns a if `active` is 1, otherwise b, without a branch: the bits are selected, so a NaN does no harm. */
 static inline real cml_pick(int active, real a, real b)
 {
     return cml_float_of(cml_pick_word(active, cml_bits_of(a), cml_bits_of(b)));

@@ -121,16 +121,20 @@ cml_rough_lanes_turn(struct cml_stream stream, struct cml_rough_lanes *w, cml_u3
     }
 }
 
+/* Compiles cml_rough_lanes_come for the GGX distribution, so that the loop has no branch for the kind. */
 CML_LOOP void cml_rough_lanes_come_ggx(struct cml_stream stream, struct cml_rough_lanes *w)
 {
     cml_rough_lanes_come(stream, w, CML_ROUGH_GGX);
 }
 
+/* Compiles cml_rough_lanes_come for the Beckmann distribution, so that the loop has no branch for the
+ * kind. */
 CML_LOOP void cml_rough_lanes_come_beckmann(struct cml_stream stream, struct cml_rough_lanes *w)
 {
     cml_rough_lanes_come(stream, w, CML_ROUGH_BECKMANN);
 }
 
+/* Compiles cml_rough_lanes_turn for the GGX distribution, so that the loop has no branch for the kind. */
 CML_LOOP void cml_rough_lanes_turn_ggx(struct cml_stream stream, struct cml_rough_lanes *w, cml_u32 steps)
 {
     cml_rough_lanes_turn(stream, w, steps, CML_ROUGH_GGX);

@@ -334,11 +334,13 @@ void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, ui
     flight->counters.taken = 0;
 }
 
+/* True if the device has begun all photons that it was given. */
 bool cml_opencl_flight_dry(const struct cml_opencl_flight *flight)
 {
     return flight->counters.taken >= flight->counters.count;
 }
 
+/* True if the device has begun all its photons, and none is still under way. */
 bool cml_opencl_flight_done(const struct cml_opencl_flight *flight)
 {
     return cml_opencl_flight_dry(flight) && flight->counters.alive == 0;

@@ -56,6 +56,7 @@ const char *cml_opencl_build(void)
     return "none";
 }
 
+/* Stands for the choice of a device in a program without OpenCL. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
     (void)list, (void)count, (void)local_rank;

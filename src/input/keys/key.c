@@ -49,6 +49,7 @@ void cml_key_store(const struct cml_key *key, void *base, double value)
         *(double *)member = key->type == CML_KEY_ANGLE ? value * (CML_PI / 180) : value;
 }
 
+/* Returns an angle in degrees, rounded to 14 digits, which hides the rounding of radians: 30 stays 30. */
 double cml_key_degrees(double angle)
 {
     char digits[32];
@@ -133,6 +134,7 @@ const char *cml_key_range(const struct cml_key *key, char text[CML_KEY_TEXT])
     return text;
 }
 
+/* Returns the default of a key in words, for the help; "required" if it has none. */
 const char *cml_key_fallback(const struct cml_key *key)
 {
     return key->fallback ? key->fallback : key->type == CML_KEY_FLAG ? "no" : "required";

@@ -19,6 +19,7 @@ struct grid {
     struct cml_error *err;
 };
 
+/* Refuses a word of an ESRI grid, with file and line. */
 static cml_status fail(const struct grid *g, const char *name, const char *value, const char *expected)
 {
     return cml_fail_field(g->err, g->text.path, g->text.line, name, value, expected);

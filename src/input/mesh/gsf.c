@@ -19,6 +19,7 @@ struct field {
     struct cml_error *err;
 };
 
+/* Refuses a word in the header of a Gwyddion map, with file and line. */
 static cml_status fail(const struct field *f, const char *name, const char *value, const char *expected)
 {
     return cml_fail_field(f->err, f->text.path, f->text.line, name, value, expected);
@@ -244,12 +245,14 @@ static cml_status read_file(const struct cml_text_source *source, const char *pa
     return status;
 }
 
+/* Reads a Gwyddion simple field as a heightmap in cm. */
 cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
                         struct cml_heightmap *map, struct cml_error *err)
 {
     return read_file(source, path, unit, false, map, err);
 }
 
+/* Reads a Gwyddion simple field as an image, whose values keep their unit. */
 cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char *path,
                                struct cml_heightmap *map, struct cml_error *err)
 {

@@ -28,6 +28,7 @@ struct collector {
     long long num_vertices;
 };
 
+/* Counts a vertex; its coordinates were read by our own scan. tinyobjloader calls it for every vertex. */
 void take_vertex(void *user, tinyobj::real_t, tinyobj::real_t, tinyobj::real_t, tinyobj::real_t)
 {
     static_cast<collector *>(user)->num_vertices++;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* True if a column of the sweep sets an absorption coefficient, as its name ends in .mua. */
 bool cml_sweep_is_absorption(const char *name)
 {
     const char *dot = strrchr(name, '.');

@@ -71,6 +71,7 @@ static bool next_cell(char **line, struct cell *cell)
     return true;
 }
 
+/* Refuses something in the current line of the sweep's table. */
 static cml_status fail_at(const struct cml_text *text, const char *field, const char *value,
                           const char *expected, struct cml_error *err)
 {

@@ -320,6 +320,7 @@ static herr_t keep_image(void *image, H5FD_file_image_op_t why, void *writer)
     return 0;
 }
 
+/* Gives HDF5 our own writer where it would make a copy. */
 static void *same_writer(void *writer)
 {
     return writer;

@@ -49,6 +49,7 @@ static void describe_fields(struct layout *layout, const struct cml_field *field
     fprintf(layout->out, "      </CellData>\n");
 }
 
+/* Writes the size of an array, which precedes its data in a VTK file. */
 static void put_size(FILE *out, uint64_t bytes)
 {
     fwrite(&bytes, sizeof bytes, 1, out);
@@ -84,6 +85,7 @@ static void begin_file(FILE *out, const char *type, const char *comment)
             type, little ? "LittleEndian" : "BigEndian", type);
 }
 
+/* Ends the description of arrays and begins their binary data. */
 static void begin_data(FILE *out, const char *type)
 {
     fprintf(out, "    </Piece>\n  </%s>\n  <AppendedData encoding=\"raw\">\n   _", type);

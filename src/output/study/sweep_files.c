@@ -64,6 +64,7 @@ bool cml_sweep_is_of_results(const char *name)
            strcmp(name, "call") == 0;
 }
 
+/* Replaces each / in a name by _, because / separates groups in HDF5. */
 void cml_sweep_h5_name(char *name)
 {
     while ((name = strchr(name, '/'))) *name = '_';
@@ -272,6 +273,7 @@ static double *add_over(struct fields *list, const struct cml_axis *axis, const 
     return value;
 }
 
+/* Adds a field over the axes of the grid alone. */
 static double *add(struct fields *list, const char *name, const char *long_name, const char *units)
 {
     return add_over(list, NULL, NULL, name, long_name, units);

@@ -153,6 +153,7 @@ static cml_status compare_fates(const struct cml_check_setup *setup, struct cml_
     return status;
 }
 
+/* Returns a - b of two unsigned sums as a number with a sign. */
 static double difference(cml_u128 a, cml_u128 b)
 {
     return a >= b ? (double)(a - b) : -(double)(b - a);

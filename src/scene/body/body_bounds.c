@@ -256,6 +256,7 @@ cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_erro
     return CML_OK;
 }
 
+/* Does the checks of shapes that take time: slopes, overlaps of boundaries, and bodies against boundaries. */
 cml_status cml_scene_check_shapes(const struct cml_scene *scene, struct cml_error *err)
 {
     CML_TRY(cml_scene_check_steepness(scene, err));

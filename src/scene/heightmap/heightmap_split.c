@@ -23,6 +23,8 @@ static struct point middle(struct point a, struct point b)
     return (struct point){(a.x + b.x) / 2, (a.y + b.y) / 2};
 }
 
+/* True if a point of the binary subdivision is a sample of the map; the subdivided square may be larger than
+ * the map. */
 static bool on_map(const struct cml_heightmap *map, struct point p)
 {
     return p.x < map->nx && p.y < map->ny;

@@ -13,6 +13,7 @@ static const double err_place = 1e-9;
 
 /* ---- one period ---- */
 
+/* Keeps the largest step in height between neighbouring samples in *most. */
 static void measure_step(const double *from, const double *to, double *most)
 {
     *most = fmax(*most, fabs(*to - *from));
@@ -67,6 +68,7 @@ cml_status cml_tile_make(const char *path, bool mirrored, struct cml_heightmap *
     return CML_OK;
 }
 
+/* Returns the period of a repeated heightmap along an axis (0: x, 1: y), cm. */
 double cml_tile_period(const struct cml_heightmap *tile, int axis)
 {
     return axis == 0 ? tile->nx * tile->dx : tile->ny * tile->dy;
@@ -79,6 +81,7 @@ static int64_t wrap(int64_t i, int n)
     return rest < 0 ? rest + n : rest;
 }
 
+/* Returns the height of sample (i, j) of a heightmap repeated over the plane: any i and j are allowed. */
 double cml_tile_height(const struct cml_heightmap *tile, int64_t i, int64_t j)
 {
     return tile->h[wrap(j, tile->ny) * tile->nx + wrap(i, tile->nx)];

@@ -208,6 +208,7 @@ cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double 
     return status;
 }
 
+/* Shares the surfaces of another scene that has the same bodies; they are freed with the last user. */
 void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_body_surfaces *surfaces)
 {
     *surfaces = *from;
@@ -223,6 +224,7 @@ static void free_own(struct cml_body_surfaces *surfaces)
     cml_body_grids_clear(&surfaces->grids);
 }
 
+/* Frees the surfaces of bodies, unless another scene shares them. */
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces)
 {
     if (cml_share_end(surfaces->users)) free_own(surfaces);

@@ -312,6 +312,8 @@ static int hit_tile(const struct cml_mesh_surface *surface, const double p[3], c
     return 0;
 }
 
+/* Finds the first crossing of a ray with a mesh; a mesh that is repeated over the plane is searched period
+ * by period. */
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                          int below, double t_max, int exclude, int undeflected, int exact,
                          double err_position, struct cml_mesh_crossing *crossing)
@@ -491,6 +493,7 @@ static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_m
     return status;
 }
 
+/* Makes the surface of a mesh that is not repeated. */
 cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
                                    struct cml_mesh_surface **surface, struct cml_error *err)
 {
@@ -531,12 +534,14 @@ const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surf
     return &surface->centred.mesh;
 }
 
+/* Returns the number of triangles that queries can name: those of the mesh, or of one period. */
 uint64_t cml_mesh_surface_primitives(const struct cml_mesh_surface *surface)
 {
     const struct cml_mesh_period *period = &surface->period;
     return period->n[0] ? cml_tile_primitives(period) : surface->centred.mesh.num_triangles;
 }
 
+/* Returns the triangle of the stored mesh that a primitive is: in a repeated mesh, margins come before it. */
 size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t primitive)
 {
     return surface->period.n[0] ? (size_t)cml_tile_triangle(&surface->period, (int)primitive) : primitive;
@@ -557,6 +562,7 @@ const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surf
     return &surface->period;
 }
 
+/* Returns the memory of a mesh surface with all its search structures, in bytes. */
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     return (double)surface->embree_bytes + cml_grid_mesh_bytes(&surface->grid) +
@@ -564,6 +570,7 @@ double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
            cml_centred_mesh_bytes(&surface->centred);
 }
 
+/* Returns the map of safe distances of a mesh, or NULL if it has none. */
 const struct cml_safe_map *cml_mesh_surface_map(const struct cml_mesh_surface *surface)
 {
     return surface->map.safe ? &surface->map : NULL;
@@ -574,6 +581,7 @@ const char *cml_mesh_library(void)
     return "Embree " RTC_VERSION_STRING;
 }
 
+/* True if the mesh does not overhang and is searched by cells. */
 bool cml_mesh_surface_is_sheet(const struct cml_mesh_surface *surface)
 {
     return surface->grid.levels > 0;

@@ -20,6 +20,7 @@ static int wrap(int i, int n)
     return rest < 0 ? rest + n : rest;
 }
 
+/* Returns the number of triangles of one period: two for each cell. */
 uint64_t cml_tile_primitives(const struct cml_mesh_period *period)
 {
     return 2 * (uint64_t)period->n[0] * (uint64_t)period->n[1];
@@ -114,6 +115,7 @@ bool cml_tile_next(struct cml_tile_path *path)
     return true;
 }
 
+/* True if a path over a tile was given up, because it crosses too many periods. */
 bool cml_tile_is_too_long(const struct cml_tile_path *path)
 {
     return path->leaving >= 0 && path->segments >= CML_TILE_MOST_SEGMENTS;

@@ -18,11 +18,14 @@ struct cut {
     double cost;
 };
 
+/* Returns an empty box, which grows when other boxes are added: lower sides +infinity, upper sides
+ * -infinity. */
 struct cml_facet_box cml_facet_box_none(void)
 {
     return (struct cml_facet_box){{INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY}, 0};
 }
 
+/* Enlarges a box to include another one. at: three lower sides, then three upper ones. */
 void cml_facet_box_widen(struct cml_facet_box *box, const struct cml_facet_box *other)
 {
     for (int k = 0; k < 3; k++) {

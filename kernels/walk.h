@@ -120,8 +120,8 @@ CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml
     return part < w ? part : w;
 }
 
-/* Plays roulette (P8): with the chance w / weight the packet goes on with `weight`, else it ends. A random
- * word is below 2^32 w / weight with this chance, to one part in 2^32. */
+/* Plays roulette with a weight w below the rule's limit (P8): with the chance w / weight the packet goes on
+ * with `weight`, else it ends. A random word is below 2^32 w / weight with this chance. */
 CML_FN void cml_roulette(struct cml_roulette_rule rule, CML_PACKET struct cml_packet *packet)
 {
     const cml_u32 w = packet->w, weight = rule.weight ? rule.weight : 10u * w;

@@ -216,7 +216,8 @@ static cml_status find_volumes(struct furnace *f, const struct cml_surface_set *
     return CML_OK;
 }
 
-/* Compares a share of the launched weight, with its standard error from 64 batches, with the law. */
+/* Compares the light found in a place, with its standard error from 64 batches, with the law of even light:
+ * sets ratio, error and z. */
 static void judge(struct furnace *f, int i, double share, double error, double law)
 {
     struct place *place = &f->place[i];
@@ -246,7 +247,8 @@ static void judge_medium(struct furnace *f, const struct cml_result *result, int
           cml_result_bin_error(result, result->A_l, media, m), law);
 }
 
-/* Judges all places, and the worst of them for the number of tests. */
+/* Judges all places of a furnace, then whether the worst one deviates more than chance allows among so many
+ * tests. */
 static void judge_all(struct furnace *f, const struct cml_result *result)
 {
     judge(f, 0, cml_result_total(result, CML_TOTAL_TRANSMITTED),

@@ -42,7 +42,7 @@ static void add_own(const struct cml_options *mine, const char *scene, struct cm
     if (scene) call->operands[0] = (char *)scene;
 }
 
-/* Runs the call on rank 0 alone. */
+/* Runs the parts' own command line on rank 0 alone, with their sums in place of a flight. */
 static cml_status run(const struct cml_options *call, struct cml_error *err)
 {
     cml_cluster_alone(true);

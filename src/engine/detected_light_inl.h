@@ -71,7 +71,8 @@ static inline void cml_add_moment(uint64_t *parts, const struct cml_light_out *l
         parts[i] += light->times * ((uint64_t)(product >> (i * CML_MOMENT_BITS)) & mask);
 }
 
-/* Returns the factor of a packet's weight in a moment of a medium, from the packet's stay there. */
+/* Returns the number by which a packet's weight is multiplied in one moment of a medium: the length of its
+ * path there, its interactions, or its momentum transfer, in whole units. */
 static inline uint64_t cml_number_of_moment(const struct cml_world *world, const struct cml_stay *stay,
                                             int moment)
 {
@@ -86,7 +87,8 @@ static inline uint64_t cml_number_of_moment(const struct cml_world *world, const
     }
 }
 
-/* Adds a packet's stays in all media, and its largest depth, to the moments of a detector. */
+/* Adds a packet's paths and interactions in all media, and its largest depth, each times its weight, to the
+ * moments of a detector. */
 static inline void cml_add_moments(const struct cml_world *world, const struct cml_light_out *light,
                                    uint64_t *moments)
 {
@@ -264,7 +266,8 @@ static inline struct cml_light_out cml_light_split_off(const struct cml_world *w
     return light;
 }
 
-/* Adds the light that is split off `times` packets like packet `index` to the scores of all detectors. */
+/* Adds the specular light that is split off `times` packets like packet `index` at their launch to all
+ * detectors that see it. */
 static inline void cml_score_split_off(const struct cml_world *world, cml_u64 index, uint64_t times,
                                        const struct cml_seen *to, const struct cml_tally *pixels)
 {

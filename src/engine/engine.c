@@ -168,7 +168,7 @@ static bool next_of_range(void *context, uint64_t most, int takers, struct cml_p
     return piece->count > 0;
 }
 
-/* Does nothing: the range has one tally for all batches. */
+/* Does nothing when a batch ends, because a range of packets has one tally for all batches. */
 static void ignore_batch(void *context, int batch, struct cml_tally *tally)
 {
     (void)context;

@@ -84,7 +84,8 @@ static void list_series(const struct cml_tally_grid *grid, struct series *series
 
 /* ---- flying ---- */
 
-/* Adds the cells beyond the grid to the first and last bins, as the output does. */
+/* Adds the cells beyond the grid to the first and last bins of profiles, as in printed results, so that a
+ * trial compares what users see. */
 static void fold_profiles(struct cml_tally *tally)
 {
     const struct cml_layout at = tally->profile;
@@ -99,7 +100,8 @@ static void fold_profiles(struct cml_tally *tally)
     }
 }
 
-/* Adds a batch's values, and their differences between both ways. */
+/* Adds the values of a batch for both ways (shape and plane) to the sums, and their differences, whose
+ * spread gives the errors. */
 static void add_values(const uint64_t *as_is, const uint64_t *level, size_t count, struct value *value)
 {
     for (size_t i = 0; i < count; i++) {
@@ -276,7 +278,8 @@ static bool has_bodies_beside(const struct cml_scene *scene, int b)
     return cml_layer_has_bodies(scene, b) || cml_layer_has_bodies(scene, b + 1);
 }
 
-/* Compares the scene as it is with the scene that has level rings. */
+/* Flies the scene as it is and with level rings in place of its curved boundaries, and judges whether the
+ * results differ. */
 static cml_status try_level(const struct search *search, struct verdict *verdict, struct cml_error *err)
 {
     const struct cml_surface_set *ways[2] = {search->curved, &search->level};

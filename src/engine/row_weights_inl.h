@@ -65,7 +65,7 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     return sums;
 }
 
-/* Returns fmix32 of a word. */
+/* Returns a hash of a word (fmix32 of MurmurHash3), which looks random. */
 static inline cml_u32 cml_row_hash(cml_u32 h)
 {
     h = (h ^ h >> 16) * 0x85ebca6bu;
@@ -419,7 +419,8 @@ CML_ROWS_INLINE void cml_rows_leave_as(int scores, int timed, const struct cml_s
     }
 }
 
-/* Adds a packet of weight w that has been reflected or transmitted to all rows. Scores have no gates. */
+/* Adds a packet of weight w that leaves the scene to the profiles of all rows of a sweep, each with its own
+ * weight. */
 static inline void cml_rows_leave(const struct cml_setup *setup, const struct cml_row_packet *rows,
                                   const struct cml_exit *exit, cml_u32 w)
 {
@@ -442,7 +443,8 @@ struct cml_row_light {
     int fresh; /* 1: the light weighs as much in all rows, and has no score */
 };
 
-/* Adds the light, as each row weighs it, to the rows' bins. to: the bin of the first row. */
+/* Adds light to one bin of all rows of a sweep, each with its own weight. to: the bin of the first row; the
+ * others follow. */
 static inline void cml_rows_add_to(const struct cml_row_light *of, uint64_t *to)
 {
     const struct cml_row_packet *rows = of->rows;

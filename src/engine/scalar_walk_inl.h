@@ -67,7 +67,8 @@ static inline void rows_fly(const struct cml_world *world, struct row_walk *rows
     rows->w = left;
 }
 
-/* Books the flight before an interaction that lies in another gate than the last booking (P11). */
+/* Updates the rows' absorption by time before an interaction that lies in a later time gate than the last
+ * update (P11). */
 static inline void rows_keep_time(const struct cml_world *world, struct row_walk *rows,
                                   const struct cml_row_packet *its, struct cml_packet *packet)
 {
@@ -145,7 +146,8 @@ static inline bool end_packet(struct piece_walk *walk, struct cml_packet *packet
     return true;
 }
 
-/* Walks the branches that wait (P19). Returns false if one was given up. */
+/* Walks all branches, parts of split packets that wait, to their ends (P19). Returns false if one was given
+ * up. */
 static inline bool end_branches(struct piece_walk *walk)
 {
     while (walk->to.branches && walk->to.branches->count > 0) {

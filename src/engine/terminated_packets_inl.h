@@ -46,7 +46,7 @@ struct cml_terminated {
     cml_u32 scored[CML_TERMINATED]; /* weight scored in this cell */
 };
 
-/* Returns the exit of entry i of the collection. */
+/* Returns where and how packet i of the collection has left, as bins. */
 static inline struct cml_exit cml_terminated_exit(const struct cml_setup *setup,
                                                   const struct cml_terminated *terminated, int i)
 {
@@ -190,7 +190,8 @@ static inline void cml_terminated_score_gates(const struct cml_setup *setup,
     }
 }
 
-/* Empties the collection into the tally; each entry stands for `times` packets. */
+/* Adds all collected packets to the tally in vector loops, and empties the collection. Each entry stands for
+ * `times` packets. */
 static inline void cml_terminated_flush_times(const struct cml_world *world,
                                               struct cml_terminated *terminated, uint64_t times,
                                               struct cml_tally *tally)
@@ -210,7 +211,7 @@ static inline void cml_terminated_flush(const struct cml_world *world, struct cm
     cml_terminated_flush_times(world, terminated, 1, tally);
 }
 
-/* Flushes the collection if it has no room for the next addition. */
+/* Adds the collected packets to the tally if the collection has no room for the next group. */
 static inline void cml_terminated_make_room(const struct cml_world *world, struct cml_terminated *terminated,
                                             struct cml_tally *tally)
 {
@@ -242,7 +243,8 @@ static inline void cml_tally_pixel(const struct cml_setup *setup, const struct c
                  terminated->index_low[i], terminated->w[i], 1);
 }
 
-/* Adds the weight of entry i, which has been reflected or transmitted, to the facet that it touched last. */
+/* Adds the weight of packet i, which has left the scene, to the facet of the boundary that it touched
+ * last. */
 static inline void cml_tally_escape(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                     int i, const struct cml_exit *exit, int primitive,
                                     const struct cml_tally *tally)

@@ -298,7 +298,7 @@ static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_wo
     return cml_arrays_check(&to->arrays, "phase functions", err);
 }
 
-/* Fills the grid of maps and volume; nx stays 0 if the scene asks for none. */
+/* Sets the grid of the surface map and the voxels for kernels; nx stays 0 if the scene asks for none. */
 static void set_map(const struct cml_scene *scene, struct cml_map *map)
 {
     const struct cml_map_def *def = &scene->map;
@@ -313,7 +313,7 @@ static void set_map(const struct cml_scene *scene, struct cml_map *map)
     map->top_bins = (real)(def->top / scene->dz);
 }
 
-/* Fills the gates of time. */
+/* Sets the time gates for kernels: their number, and gates per cm of optical path. */
 static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
 {
     if (time->gates == 0) return;
@@ -321,7 +321,7 @@ static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
     gates->per_cm = (real)(time->gates / (time->end * CML_LIGHT_CM_PER_PS));
 }
 
-/* Fills the bins of directions. */
+/* Sets the bins of directions for kernels: their numbers, and bins per radian. */
 static void set_directions(const struct cml_directions_def *def, struct cml_direction_bins *bins)
 {
     bins->nt = def->nt;
@@ -330,7 +330,8 @@ static void set_directions(const struct cml_directions_def *def, struct cml_dire
     bins->per_dp = (real)(def->np / 6.283185307179586);
 }
 
-/* Fills the marks of fluence. The grid of r and z begins at depth 0, the grid of voxels at its own top. */
+/* Sets how fluence is scored: the spacing of marks along paths. The grid of r and z begins at depth 0, the
+ * grid of voxels at its own top. */
 static void set_marks(const struct cml_tally_grid *grid, const struct cml_map *map, struct cml_marks *marks)
 {
     const real top = grid->phi_volume ? map->top_bins : 0;

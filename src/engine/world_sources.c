@@ -48,7 +48,8 @@ static size_t image_words(const struct cml_beam *beam)
                : 0;
 }
 
-/* Fills the words of an image: its rows, then the columns of every row. */
+/* Sums the pixels of a beam's image into words by which packets draw a row, then a column of the row: first
+ * the sums over rows, then those of each row. */
 static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct cml_error *err)
 {
     const size_t columns = (size_t)beam->columns;
@@ -112,7 +113,8 @@ static int cut_row(const struct cml_light *light, int row, struct cml_light_cell
     return count;
 }
 
-/* Cuts a table into cells, and leaves out cells that no word leads to. Returns the number of cells. */
+/* Cuts a light's table into cells from which packets draw their angle, and leaves out cells that no random
+ * word leads to. Returns the number of cells. */
 static int cut_table(const struct cml_light *light, struct cml_light_cell *cell, double *sum)
 {
     double all = 0;

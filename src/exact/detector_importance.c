@@ -66,7 +66,7 @@ static double area(const struct volumes *volumes, int ring)
     return M_PI * (pow(volumes->border[ring + 1], 2) - pow(volumes->border[ring], 2));
 }
 
-/* Returns the area of a ring that the detector sees, cm^2. */
+/* Returns how much of a ring's area the detector sees, cm2. */
 static double seen_area(const struct volumes *volumes, int ring, struct cml_seen_ring seen)
 {
     const double inner = fmax(seen.inner, volumes->border[ring]),

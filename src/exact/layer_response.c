@@ -136,7 +136,8 @@ static void half_response(struct work *w, double h, const double *A, const doubl
     if (row) memcpy(row, X + size, (size_t)n * sizeof *row);
 }
 
-/* Computes the response of a thin layer of thickness h: R + T - 1 = -2 X(Q, P), R - T + 1 = 2 X(P, Q). */
+/* Computes the response of a layer so thin (thickness h) that doubling can begin: R + T - 1 = -2 X(Q, P), R
+ * - T + 1 = 2 X(P, Q). */
 static void start(struct work *w, double h, struct cml_layer_response *to)
 {
     const int n = w->n;

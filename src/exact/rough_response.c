@@ -92,7 +92,8 @@ static double etendue(const struct work *w, int i)
     return w->directions->etendue[i < w->above ? i : i - w->above];
 }
 
-/* Makes all pairs of nodes reciprocal. The diagonal compensates the power that a column gains or loses. */
+/* Makes the walked powers of each pair of directions reciprocal, as physics demands. The diagonal
+ * compensates the power that a column gains or loses. */
 static void symmetrise(const struct work *w)
 {
     const int n = w->all;

@@ -54,8 +54,8 @@ static void turn(const struct walks *w, struct cml_rough_walk *walk, struct cml_
     *walk = cml_rough_turn(*walk, m, n[walk->beyond], n[!walk->beyond], word);
 }
 
-/* Continues a walk behind its first facet. If the walk meets too many facets, its power goes into its last
- * direction. */
+/* Continues a walk from its first facet to its end, and adds its power to the direction in which it leaves.
+ * A walk that meets too many facets ends in its last direction. */
 static void finish(struct walks *w, struct cml_rough_walk walk, int k, double power)
 {
     for (walk.steps = 1; walk.steps < CML_ROUGH_LIMIT; walk.steps++) {

@@ -201,7 +201,7 @@ static void begin_block(struct stack *stack, int last)
     for (int i = 0; i < stack->n; i++) shares[i * stack->n + i] = 1;
 }
 
-/* Stores the shares of the completed block. */
+/* Stores the shares of the layers of a completed block, so that the stack can begin the next block. */
 static void end_block(struct stack *stack)
 {
     struct block *block = &stack->block[stack->num_blocks - 1];
@@ -210,7 +210,8 @@ static void end_block(struct stack *stack)
            (size_t)stack->rows * (size_t)stack->n * sizeof *block->share);
 }
 
-/* Builds the stack of layers from below up to boundary 0, a boundary and a layer in turn. */
+/* Builds the stack of all layers from below, a boundary and a layer in turn, up to boundary 0, and cuts it
+ * into blocks. */
 static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                         const struct cml_stack_rough *rough, const struct cml_directions *directions,
                         int terms, struct stack *stack, struct cml_error *err)

@@ -401,7 +401,8 @@ static double box_square(const struct box *box, const double p[3])
     return sum;
 }
 
-/* Searches the closer child first, and skips a child that is further away than the best triangle so far. */
+/* Searches below a node for the triangle closest to the point. The closer child comes first; a child further
+ * away than the best triangle so far is skipped. */
 static void search_closest(struct closest *closest, struct node node)
 {
     if (node.count == 1) {

@@ -229,7 +229,7 @@ static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t 
     return status;
 }
 
-/* Reverses the winding of all triangles and of the border. No vertex moves. */
+/* Turns a mesh that is upside down: reverses all triangles and the border. No vertex moves. */
 static void flip_sheet(struct cml_mesh_work *work)
 {
     struct cml_mesh *mesh = work->mesh;

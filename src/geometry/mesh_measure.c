@@ -44,7 +44,8 @@ static void add_triangle(struct cml_mesh *mesh, size_t t)
     }
 }
 
-/* Adds the outer plane's normal to border vertices, weighted by the angle outside the footprint. */
+/* Adds the normal of the plane outside to the border's vertices, weighted by the angle that the plane fills
+ * there. */
 static void add_outer_plane(struct cml_mesh *mesh)
 {
     const size_t n = mesh->num_border;

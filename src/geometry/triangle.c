@@ -62,7 +62,7 @@ static double determinant(const double *a, const double *b, const double *c, con
            m[2][2] * (m[0][0] * m[1][1] - m[1][0] * m[0][1]);
 }
 
-/* Computes the point of p-q where a quantity vanishes that is at_p at p and at_q at q. */
+/* Computes the point of the edge p-q where a linear quantity is zero, which is at_p at p and at_q at q. */
 static void put_between(const double *p, const double *q, double at_p, double at_q, double place[3])
 {
     const double span = at_p - at_q;

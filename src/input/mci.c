@@ -449,7 +449,8 @@ static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list
     return check_rest(reader, list);
 }
 
-/* Clears the list after a failure: nobody sees an incomplete scene. */
+/* Reads all runs of a .mci file into a list of scenes. After a failure the list is empty: nobody sees an
+ * incomplete scene. */
 cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
                         struct cml_scene_list *list, struct cml_error *err)
 {

@@ -197,7 +197,7 @@ static cml_status set_own(struct cml_mci_line *line)
     return strcmp(line->value, "beam") == 0 ? CML_OK : cml_mci_fail_value(line, line->key->noun);
 }
 
-/* Adds a beam, except for the first `beam` line: its beam replaces the default pencil beam. */
+/* Adds a beam to the scene. The first line `beam` replaces the default pencil beam. */
 cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const int count = scene->num_beams;

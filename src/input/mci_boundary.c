@@ -52,7 +52,8 @@ static char *next_word(struct samples *samples)
     }
 }
 
-/* Appends a number. Memory grows with the numbers really read: a large n without samples asks for none. */
+/* Appends a number to those read for a heightfield. Memory grows with the numbers really read, so that a
+ * wrong n does not fill it. */
 static cml_status append(struct samples *samples, double value)
 {
     CML_TRY(cml_array_grow(&samples->values, samples->num_values, sizeof value, "a heightfield",
@@ -179,7 +180,7 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 enum tiling { TILE_MIRRORED, TILE_AS_IS, TILE_PERIODIC, TILE_NONE };
 static const char *const tile_names[] = {"mirror", "as-is"};
 
-/* Reads the option `tile`. */
+/* Reads the option `tile` of a line `m`: how a heightmap repeats over the plane. */
 static cml_status set_tiling(const struct cml_mci_line *line, enum tiling *tiling)
 {
     const int which = line->alone ? TILE_PERIODIC : cml_mci_choose(line->value, tile_names, 2);

@@ -131,7 +131,7 @@ bool cml_mci_parse_list(const char *text, int count, double *values)
     return true;
 }
 
-/* Compares names exactly: case matters in units. */
+/* Returns the position of a word in a list of names, or -1. Case matters, because it does in units. */
 int cml_mci_choose(const char *word, const char *const *names, int count)
 {
     for (int i = 0; i < count; i++)

@@ -52,7 +52,8 @@ struct name {
     const char *member;
 };
 
-/* Splits a name at its dot; false if it has none. Numbers must be written without a leading 0. */
+/* Splits a setting's name such as layer2.mua into owner, number and member; false if it has no dot. Numbers
+ * have no leading 0. */
 static bool split(const char *text, struct name *name)
 {
     const char *dot = strchr(text, '.');

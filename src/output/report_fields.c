@@ -123,8 +123,8 @@ static void body_numbers(const void *context, size_t begin, size_t count, double
 
 /* ---- axes ---- */
 
-/* Sets the middles of bins. x and y are centred on the z axis, as the map is; angles count from 0.
- */
+/* Sets the axes of fields: the middles of bins. x and y are centred on the z axis, as the map is; angles
+ * count from 0. */
 static void set_axes(struct cml_field_list *c)
 {
     const struct cml_scene *scene = c->report->scene;
@@ -161,7 +161,8 @@ static void set_boundary_axes(struct cml_field_list *c)
     }
 }
 
-/* Sets the x and y axes of each detector that is a map, about its middle. */
+/* Names and sets the x and y axes of each detector that is a map: middles of pixels around the detector's
+ * middle. */
 static void set_pixel_axes(struct cml_field_list *c)
 {
     static const enum cml_axis_kind kinds[2] = {CML_AXIS_x, CML_AXIS_y};

@@ -69,7 +69,8 @@ struct visit {
     void *context;
 };
 
-/* Calls the visitor for one file. suffix: behind the stem of the result; NULL: the result itself. */
+/* Calls the visitor for one file of the run. suffix: replaces the ending of the result's name; NULL: the
+ * result itself. */
 static cml_status visit(const struct visit *v, enum cml_report_content content, int of, const char *suffix,
                         struct cml_error *err)
 {

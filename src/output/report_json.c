@@ -19,7 +19,7 @@ static json_t *files_json(const struct cml_report *report)
     return list;
 }
 
-/* Sets the key NAME + end of a quantity to a value, unless the object has the key. */
+/* Sets a key of the JSON object, the quantity's name and `end`, to a value, unless the object has the key. */
 static void set_quantity(json_t *object, enum cml_quantity quantity, const char *end, const double *value)
 {
     char key[64];

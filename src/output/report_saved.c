@@ -75,7 +75,8 @@ static void column_values(const void *context, size_t begin, size_t count, doubl
     if (p->type == TYPE_COUNT) gather(at, stride, m, each, count, TYPE_COUNT, p->unit, out);
 }
 
-/* Writes the file. indices: [kept] photon numbers, the axis of the arrays. */
+/* Writes the .h5 of saved packets: attributes of the run, and one array for each property of packets.
+ * indices: the packets' numbers, which are the axis of the arrays; kept: how many were found and kept. */
 static cml_status write(const struct cml_report *report, const char *path, const struct cml_saved_sums *kept,
                         double *indices, struct cml_error *err)
 {

@@ -55,7 +55,8 @@ static bool ends_in(const char *name, const char *ending)
     return length >= size && strcmp(name + length - size, ending) == 0;
 }
 
-/* Tries the endings of all quantities of detectors first, then those of additional fields. */
+/* Returns the ending of a name if it is one that results of detectors have, such as "_t" or "_se"; NULL
+ * otherwise. A detector with such a name would make result names ambiguous. */
 const char *cml_quantity_ending(const char *name)
 {
     /* Endings of fields: gates, errors, axes of pixels, pixels outside. */

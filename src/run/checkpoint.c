@@ -322,7 +322,8 @@ static bool is_lost_list_sound(const struct cml_lost_list *lost, uint64_t end)
     return true;
 }
 
-/* Checks the ranges on a sorted copy, because ranges are taken in the order in which the file lists them. */
+/* Checks the ranges of photons not flown yet: sorted, none may overlap, and with the flown ones they must
+ * make up the round. A copy is sorted, because ranges are taken in the file's order. */
 static cml_status check_ranges(const struct source *source, const struct cml_ranges *open,
                                const struct cml_summary *summary, struct cml_error *err)
 {

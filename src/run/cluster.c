@@ -224,7 +224,8 @@ cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
     return CML_OK;
 }
 
-/* Sends the size first. All ranks agree that each has the memory before the block follows. */
+/* Sends a block from rank 0 to all ranks, which allocate it. The size goes first, and all ranks agree that
+ * they have the memory. */
 cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error *err)
 {
     cml_status status = CML_OK;
@@ -238,7 +239,8 @@ cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error 
     return cml_cluster_share(*block, *size, err);
 }
 
-/* Gathers the blocks with one call of MPI, because they are small (a report per rank). */
+/* Gathers a block of each rank on rank 0, with one call of MPI, because the blocks are small (a report per
+ * rank). */
 cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct cml_error *err)
 {
     if (is_single()) {
@@ -260,7 +262,8 @@ static cml_status sum_elements(void *elements, int count, MPI_Datatype type, MPI
     return CML_COMPLETE(MPI_Ireduce(from, elements, count, type, op, 0, MPI_COMM_WORLD, &call), &call, err);
 }
 
-/* Adds in slices: MPI would otherwise hold a second copy of the result, which may fill half of the memory. */
+/* Adds the results of all ranks on rank 0, in slices: MPI would otherwise hold a second copy of the result,
+ * which may fill half of the memory. */
 cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
 {
     if (is_single()) return CML_OK;

@@ -211,7 +211,8 @@ static void *serve(void *unused)
     return unused;
 }
 
-/* Makes the peers before the thread, which alone uses them afterwards. */
+/* Starts the service thread of this rank. The list of peers is made before, since only the thread uses it
+ * afterwards. */
 cml_status cml_service_start(struct cml_error *err)
 {
     const size_t peers = (size_t)end_of_peers();
@@ -332,7 +333,8 @@ void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
     pthread_mutex_unlock(&service.handler_lock);
 }
 
-/* Posts the receive before the request is sent, so that the reply finds its buffer. */
+/* Sends a request for work to rank 0 and waits for the reply. The receive is posted before the request is
+ * sent, so that the reply finds its buffer. */
 cml_status cml_cluster_request(const struct cml_work_request *request, struct cml_work_reply *reply,
                                struct cml_error *err)
 {

@@ -132,7 +132,8 @@ static cml_status fail_missing(const struct cml_run_setup *setup, const struct c
                     strpbrk(list, " ") ? "s" : "", list, part.count, strpbrk(list, " ") ? "are" : "is");
 }
 
-/* Returns the file of this run whose turns begin with `turn`; NULL: no file. */
+/* Returns the file with the part of this run whose photons begin with number `turn`; NULL if no file has
+ * it. */
 static struct cml_part_file *find_at(const struct cml_run_setup *setup, const struct cml_part_files *files,
                                      uint64_t turn)
 {

@@ -50,7 +50,8 @@ void cml_stop_without_reader(void)
     raise(SIGPIPE);
 }
 
-/* Tests the parent again after prctl: no signal comes from a parent that ended before. */
+/* Makes this process end with its parent (Linux). The parent is tested again afterwards: no signal comes
+ * from a parent that ended before. */
 void cml_stop_with_parent(void)
 {
     const char *text = getenv("CLUSTERMCML_PARENT");

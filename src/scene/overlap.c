@@ -186,7 +186,8 @@ static cml_status compare_sheets(const struct cml_scene *scene, const struct sha
                     other.text, apart);
 }
 
-/* Compares two boundaries of which at least one is a plane or a radial heightfield. */
+/* Refuses two neighbouring boundaries that cross or touch, of which at least one is a plane or a radial
+ * heightfield. */
 static cml_status compare_fields(const struct cml_scene *scene, const struct shape *upper,
                                  const struct shape *lower, struct cml_error *err)
 {
@@ -205,7 +206,8 @@ static cml_status compare_fields(const struct cml_scene *scene, const struct sha
     return fail_touch(scene, upper, lower, at, err);
 }
 
-/* Sets at[0] and at[1] to the first sample of the tile whose depth is exactly z. */
+/* Finds a place where a tile touches the depth z, for the message: its first sample at exactly this depth
+ * goes to at[0], at[1]. */
 static void find_sample(const struct cml_boundary *boundary, double z, double at[3])
 {
     const struct cml_heightmap *tile = &boundary->tile;
@@ -249,7 +251,8 @@ static cml_status compare_tiles(const struct cml_scene *scene, const struct shap
     return fail_touch(scene, upper, lower, at, err);
 }
 
-/* Compares two boundaries. Most pairs lie at entirely different depths, and cost nothing. */
+/* Refuses two neighbouring boundaries that cross or touch. Most pairs lie at entirely different depths and
+ * cost nothing; for the others, their forms decide which function compares. */
 static cml_status compare(const struct cml_scene *scene, const struct shape *upper, const struct shape *lower,
                           struct cml_error *err)
 {

@@ -22,7 +22,8 @@ static void keep_closest(struct cml_closest *closest, double x, double y, double
     closest->err_gap = 8.0 * DBL_EPSILON * size;
 }
 
-/* Compares two radial surfaces at the radius r. */
+/* Updates *closest with the gap between two radial surfaces at radius r: it keeps the place with the
+ * smallest gap. size: how large the numbers are, for a bound of rounding. */
 static void compare_at_radius(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                               double r, struct cml_closest *closest)
 {
@@ -48,7 +49,8 @@ struct comparison {
     struct cml_closest *closest;
 };
 
-/* Compares a point of the mesh, x, y, z in the mesh's frame, with the heightfield above or below it. */
+/* Updates *closest with the gap between a point of a mesh (x, y, z in the mesh's frame) and the radial
+ * heightfield above or below it. */
 static void compare_at_point(const struct comparison *c, double x, double y, double z)
 {
     const double height = cml_radial_height(c->radial, hypot(x, y));
@@ -230,7 +232,8 @@ static double least_gap(const struct comparison *c, const double *const v[3], do
     return c->mesh_is_upper ? field_top - (c->z_mesh + bottom) : c->z_mesh + top - field_bottom;
 }
 
-/* Computes the heightfield's range of depths once, so that least_gap can exclude whole triangles. */
+/* Finds where a radial heightfield and a mesh come closest. The heightfield's range of depths is computed
+ * once, so that whole triangles can be excluded by it. */
 void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
                              const struct cml_footprint *footprint, double z, bool mesh_is_upper,
                              struct cml_closest *closest)

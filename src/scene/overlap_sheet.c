@@ -243,7 +243,8 @@ static void compare_vertices(const struct cml_sheet *upper, const struct cml_she
     }
 }
 
-/* Compares the outer planes. The reported place is a corner of the box around both sheets. */
+/* Compares the planes in which two meshes continue outside, and keeps the overlap if the upper one is not
+ * above the lower one. The reported place is a corner of the box around both meshes. */
 static void compare_planes(const struct cml_sheet *upper, const struct cml_sheet *lower,
                            struct cml_sheet_overlap *overlap)
 {

@@ -180,7 +180,8 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
     return status;
 }
 
-/* Makes the mesh that is searched for a tile: one period and a margin around it. */
+/* Makes the searchable mesh of a repeated heightmap: one period and a margin around it, which queries shift
+ * to where the packet is. */
 static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cml_mesh *mesh,
                                      const struct cml_surface_options *options, struct cml_surface_def *def,
                                      struct cml_error *err)
@@ -227,7 +228,8 @@ static cml_status represent_tile(const struct cml_scene *scene, const struct cml
     return status;
 }
 
-/* Represents a boundary in the kind that is forced, or in the one that suits it best. */
+/* Represents a boundary for queries: as the kind that --boundaries forces, or as the one that suits it
+ * best. */
 static cml_status represent(const struct cml_scene *scene, const struct cml_boundary *boundary,
                             const struct cml_surface_options *options, struct cml_surface_def *def,
                             struct cml_error *err)
@@ -362,7 +364,8 @@ void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cm
                def);
 }
 
-/* Makes a boundary of two level rings of cones. The ring radius 1 cm is arbitrary and has no effect. */
+/* Makes a boundary of two level rings of cones: a plane that is searched like a heightfield, for trials. The
+ * ring's radius of 1 cm is arbitrary. */
 cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, struct cml_surface_def *def,
                                         struct cml_error *err)
 {

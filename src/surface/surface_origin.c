@@ -192,7 +192,8 @@ static void require_body(struct requirements *all, const struct cml_scene_body *
     if (!is_empty(range)) all->range = range;
 }
 
-/* Collects the requirements of all boundaries, detectors and bodies. */
+/* Collects from all boundaries, detectors and bodies where the origin may lie so that single precision
+ * resolves them. */
 static cml_status require_all(struct requirements *all, struct cml_error *err)
 {
     for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(require_boundary(all, b, err));

@@ -50,7 +50,8 @@ cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine, str
     return status;
 }
 
-/* Takes turns from the last range, so that no other range has to move. */
+/* Takes up to `most` photons out of a set of ranges: from the last range, so that no other range has to
+ * move. */
 struct cml_range cml_ranges_take(struct cml_ranges *ranges, uint64_t most)
 {
     if (ranges->count == 0) return (struct cml_range){0};

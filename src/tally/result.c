@@ -104,7 +104,8 @@ static cml_u128 moment_of(const uint64_t *parts)
     return sum;
 }
 
-/* Adds the moments of detector k. sums: the moments' parts as tallies keep them. */
+/* Adds the moments of detector k to a batch of the result. sums: each moment in parts, as tallies keep
+ * them. */
 static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *sums)
 {
     const size_t media = cml_tally_media(&result->grid), at = batch * (size_t)result->grid.detectors + k;
@@ -282,7 +283,8 @@ static double array_imbalance(const struct cml_result *result, enum cml_array ar
     return difference(sum, result->summary.balance[info->term]);
 }
 
-/* Compares exactly, in integers, so that any difference is a fault. The first one is reported. */
+/* Returns by how much the weight of all packets does not balance, in units of 2^-31 packets. All sums are
+ * integers, so any difference is a fault; the first one is reported. */
 double cml_result_imbalance(const struct cml_result *result)
 {
     const cml_u128 *balance = result->summary.balance;
@@ -356,7 +358,8 @@ double cml_result_times_to(const struct cml_result *result, enum cml_total total
     return times * times;
 }
 
-/* Converts the sum to the unit of the squares, which is coarser so that squares fit into 64 bits. */
+/* Returns the standard error from the sum and the sum of squares of packets' weights. The sum is converted
+ * to the unit of the squares, which is coarser so that squares fit into 64 bits. */
 double cml_result_square_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
 {
     const long double n = (long double)result->summary.count[CML_COUNT_PHOTONS];

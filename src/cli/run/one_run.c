@@ -454,7 +454,8 @@ static cml_status plan_photons(const struct cml_run_call *call, struct prepared 
 
 /* ---- the whole run ---- */
 
-/* Sets the provenance and the identity of the run, and with --more those of the run that it extends. */
+/* Computes the identity of the run, by which checkpoints and results know it, and with --more that of the
+ * run that it extends. */
 static cml_status identify(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;

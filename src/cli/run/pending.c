@@ -65,7 +65,8 @@ static void mark(const struct cml_pending_row *row)
     cml_checkpoint_remove(row->checkpoint);
 }
 
-/* Syncs the results before any checkpoint says that they are finished. */
+/* Forces the results of waiting rows to disk, then marks the rows as finished in their checkpoints. Unless
+ * `now`, it waits until the last flush is so long ago that flushing takes little of the time. */
 cml_status cml_pending_flush(struct cml_pending *pending, bool now, struct cml_error *err)
 {
     struct cml_error why;

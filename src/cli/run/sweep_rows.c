@@ -94,7 +94,7 @@ static void reply_to(void *context, int rank, const struct cml_work_request *req
     reply->count = row >= 0;
 }
 
-/* Takes the next row for a rank; *row is -1 when there are no more. */
+/* Gives a rank its next row to fly; *row is -1 when there are no more. */
 static cml_status take_row(struct row_queue *queue, int rank, int *row, struct cml_error *err)
 {
     const struct cml_work_request request = {1, 0};
@@ -238,7 +238,7 @@ static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_erro
     return status;
 }
 
-/* Flies rows that ranks share: each takes the next when it has finished one. */
+/* Flies rows on all ranks at once, each rank another row: it takes the next one when it has finished one. */
 static cml_status fly_shared(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                              void *context, struct cml_error *err)
 {

@@ -148,7 +148,8 @@ static struct cml_grid_view cml_view_grid(const struct cml_world *world, int bou
     return view;
 }
 
-/* Gathers the rays of the lanes that ask a mesh: bit k of `asking` is the k-th gathered lane. */
+/* Collects the rays of lanes that ask a mesh for a hit, for the vector search. Bit k of `asking` stands for
+ * the k-th gathered lane. */
 static void cml_gather_rays(struct cml_gathered *c, real depth, uint64_t asking,
                             const struct cml_intervals *ahead)
 {

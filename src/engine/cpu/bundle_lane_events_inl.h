@@ -61,7 +61,8 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
     }
 }
 
-/* Makes kernels/walk.h add the expected values of the lane's packet to its batch (P15). */
+/* Makes the scalar walk add expected values of lane i's packet to the batch that the packet belongs to
+ * (P15). */
 static void cml_expect_of_lane(struct cml_flight *f, int i)
 {
     if (f->to.expected)

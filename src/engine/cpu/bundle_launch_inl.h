@@ -263,7 +263,8 @@ static cml_u32 cml_lanes_transmitted_first(const struct cml_launch_queue *queue,
     return cml_group_equal(through, 1);
 }
 
-/* Gives the lanes of a group their words of the lattice. */
+/* Gives new packets in a group of lanes their evenly spread words of the lattice, which replace random
+ * ones. */
 static void cml_launch_lattice(struct cml_flight *f, int first, cml_u32 lanes)
 {
     const struct cml_launch_queue *queue = &f->queue;

@@ -215,7 +215,7 @@ static void cml_weigh_lane(struct cml_flight *f, int i)
     b->w[i] = b->flushed_w[i] = packet.w;
 }
 
-/* Weighs the lanes that have interacted and are outside of their windows (P19). */
+/* Plays roulette or splits in lanes that have interacted and whose weight is out of its window (P19). */
 static void cml_weigh_lanes(struct cml_flight *f)
 {
     _Alignas(64) int outside[CML_LANES];

@@ -70,7 +70,7 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
     return CML_OK;
 }
 
-/* Makes the media as lanes hold them; they are the same for all threads. */
+/* Makes the properties of all media in the form that lanes load; they are the same for all threads. */
 static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *err)
 {
     const int count = cpu->owned.world.setup.num_layers + 2 + cpu->owned.world.setup.num_bodies;
@@ -87,7 +87,7 @@ static size_t num_factors(const struct cpu_engine *cpu)
     return rows ? (size_t)CML_LANES * cml_row_factors(rows) : 0;
 }
 
-/* Makes the factors of rows for all threads. */
+/* Allocates for each thread the factors by which rows of a sweep multiply packets' weights. */
 static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
 {
     const size_t count = (size_t)cpu->threads * num_factors(cpu);
@@ -195,7 +195,7 @@ struct cpu_flight {
     atomic_bool given_up;
 };
 
-/* Flies the packets of one thread, and hands in its tally unless all threads share it. */
+/* Flies the packets of one thread, and adds its tally to the result unless all threads share it. */
 static void fly_and_add(void *context, int number)
 {
     struct cpu_flight *flight = context;

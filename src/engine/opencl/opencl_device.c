@@ -68,7 +68,8 @@ static bool has_extension(cl_device_id id, const char *name)
     return found;
 }
 
-/* Fills the description of a device, once. A driver need not answer every question (see ask). */
+/* Asks a device for its properties: name, memory, units and so on. A driver need not answer every
+ * question. */
 static void describe(cl_platform_id platform, cl_device_id id, struct cml_opencl_info *info)
 {
     cl_device_type type;
@@ -144,7 +145,7 @@ static cml_status find_devices(struct cml_opencl_device **list, int *count, stru
     return CML_OK;
 }
 
-/* Lists the devices of find_devices without their handles, for callers that include no OpenCL header. */
+/* Lists all devices with their properties, for callers that include no OpenCL header. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
     struct cml_opencl_device *devices;

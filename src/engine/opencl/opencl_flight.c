@@ -180,7 +180,7 @@ static cml_status check_layout(struct cml_opencl_flight *flight, struct cml_erro
     return CML_OK;
 }
 
-/* Marks all packets on the device as ended, so that lanes take new ones in the first call. */
+/* Marks all packets on the device as ended, so that work-items take new ones in the first call. */
 static cml_status end_packets(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t count = (size_t)flight->most_items * flight->lanes, bytes = count * CML_DEVICE_PACKET;

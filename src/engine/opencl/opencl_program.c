@@ -74,7 +74,8 @@ static void keep(const char *key, cl_program program)
     free(binary);
 }
 
-/* Compiles the text that was put together when the program was built (opencl_text.cmake). */
+/* Compiles the kernel from its source text, which is a part of this program (opencl_text.cmake put it
+ * together). */
 static cml_status build_from_text(const struct cml_opencl_device *device, cl_context context,
                                   const char *options, cl_program *program, struct cml_error *err)
 {

@@ -35,7 +35,8 @@ struct bent_faces {
     double most; /* largest distance of a corner from its face's mean plane, in units of the file */
 };
 
-/* Splits a face into triangles. A triangle, the usual case, is copied. */
+/* Splits a face with more than three corners into triangles, and refuses one that is not convex. A triangle,
+ * the usual case, is copied. */
 static cml_status split_face(const char *path, const struct cml_obj_scan *scan, size_t face,
                              const uint32_t *corner, uint32_t (*triangle)[3], struct bent_faces *bent,
                              struct cml_error *err)

@@ -96,7 +96,9 @@ static double smallest_triangle(const struct polygon *p, size_t apex)
     return smallest;
 }
 
-/* Tries all corners as apex: O(n^2) for at most CML_OBJ_MAX_CORNERS corners, and most faces have few. */
+/* Splits a convex polygon into triangles that share one corner: the corner whose smallest triangle is
+ * largest, which avoids needles. Returns NULL, or what is wrong with the polygon. *bend: how far corners lie
+ * off the mean plane. */
 const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
                           uint32_t (*triangle)[3], double *bend)
 {

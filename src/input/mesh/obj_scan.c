@@ -96,7 +96,7 @@ static cml_status scan_corner(const struct line *line, const char *word, size_t 
     return CML_OK;
 }
 
-/* Counts and checks the corners of a face; tinyobjloader returns their numbers later. */
+/* Counts and checks the corners of a face; tinyobjloader reads their numbers later. */
 static cml_status scan_face(const struct line *line, char *cursor, struct cml_obj_scan *scan,
                             struct cml_error *err)
 {

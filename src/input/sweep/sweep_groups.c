@@ -30,7 +30,8 @@ static bool may_share_in(const struct cml_sweep_table *table, int column,
     return !medium->is_first_layer && scattering(table, a, medium) > 0;
 }
 
-/* True if rows a and b may share a flight. */
+/* True if rows a and b of a sweep may share a flight: they differ only in absorption that reweighting can
+ * make up for. */
 static bool may_share(const struct cml_sweep_table *table, const struct cml_sweep_medium *media, int a, int b)
 {
     for (int c = 0; c < table->num_columns; c++)

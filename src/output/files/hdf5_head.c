@@ -76,7 +76,7 @@ static bool is_chunk_sound(hid_t dataset, hid_t space, hsize_t i, unsigned char 
            uncompress(bytes, &inflated, stored, (uLong)size) == Z_OK;
 }
 
-/* Inflates every chunk of a data set: zlib then compares its checksum. */
+/* Checks a compressed data set by unpacking every chunk: zlib then compares its checksum. */
 static bool are_chunks_sound(hid_t dataset)
 {
     unsigned char *stored = malloc(MOST_STORED + MOST_BYTES);

@@ -149,7 +149,8 @@ static void put_faces(FILE *out, const struct cml_faces *faces)
     }
 }
 
-/* Points have 64 bits: in 32 bits a small facet far from the axis would lose its shape. */
+/* Writes points and polygons with fields as a .vtp file. Points have 64 bits: in 32 bits a small facet far
+ * from the axis would lose its shape. */
 cml_status cml_vtp_write(const char *path, const char *comment, const struct cml_faces *faces,
                          const struct cml_field *fields, int num_fields, struct cml_error *err)
 {

@@ -189,7 +189,8 @@ static size_t find_values(const struct grid *grid, int column, double *values)
     return cml_sort_distinct(values, rows);
 }
 
-/* Makes axes of the columns that have more than one value. False: there are none, or too many. */
+/* Finds the columns that have more than one value, which become axes of the grid. False if there are none,
+ * or too many. */
 static bool find_axes(struct grid *grid)
 {
     const struct cml_sweep_results *r = grid->results;

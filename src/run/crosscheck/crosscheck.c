@@ -190,7 +190,8 @@ static void compare_profile(const char *name, const cml_u128 *a, const cml_u128 
     }
 }
 
-/* Compares all profiles. Grids over two variables have no batches and are left out. */
+/* Compares all profiles of two runs bin by bin, and keeps the bin that differs most. Grids over two
+ * variables have no batches and are left out. */
 static void compare_bins(const struct cml_result *first, const struct cml_result *other,
                          struct cml_check_pair *pair)
 {

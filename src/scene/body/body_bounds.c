@@ -36,7 +36,8 @@ static cml_status fail_encounter(const struct encounter *e, const char *what, st
  * for gaps between bodies. */
 static const double err_share = 64 * DBL_EPSILON;
 
-/* Compares the body's box with a plane. The reported place is the middle of the box, moved to the plane. */
+/* Refuses a body whose box does not lie on its own side of a plane boundary. The reported place is the
+ * middle of the box, moved to the plane. */
 static cml_status compare_with_plane(struct encounter *e, double z, struct cml_error *err)
 {
     const double *lower = e->lower, *upper = e->upper;
@@ -86,7 +87,8 @@ static cml_status compare_sphere_with_field(struct encounter *e, struct cml_erro
     return fail_encounter(e, apart ? "lies beyond" : "meets", err);
 }
 
-/* Compares a body's mesh with a radial heightfield: the gap and the side at once (overlap_radial.h). */
+/* Refuses a body that is a mesh if it meets a radial heightfield or lies beyond it: the smallest gap tells
+ * both. */
 static cml_status compare_mesh_with_field(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
@@ -105,7 +107,8 @@ struct facets {
     bool meets;
 };
 
-/* Compares the body with one facet of the boundary: a cml_boxtree_visit. */
+/* Notes if a sphere or cylinder meets one facet of the boundary. The search among the facets' boxes calls it
+ * for each facet that comes near. */
 static void compare_with_facet(void *context, uint32_t t)
 {
     struct facets *facets = context;
@@ -168,7 +171,8 @@ static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_
     return beyond ? fail_encounter(e, "lies beyond", err) : CML_OK;
 }
 
-/* Compares meshes, and cylinders as prisms, with a boundary that is not a plane. */
+/* Refuses a body that meets a boundary that is not a plane; the body is a mesh, or a cylinder taken as a
+ * prism around it. */
 static cml_status compare_mesh(struct encounter *e, struct cml_error *err)
 {
     struct cml_mesh mesh;
@@ -179,7 +183,8 @@ static cml_status compare_mesh(struct encounter *e, struct cml_error *err)
     return status;
 }
 
-/* Reports a body that overlaps a tile's depths. A tile has no triangles to compare the body with. */
+/* Refuses a body that reaches the depths of a repeated heightmap. A tile has no triangles to compare the
+ * body with, so its whole range of depths counts. */
 static cml_status fail_at_tile(const struct encounter *e, struct cml_error *err)
 {
     return cml_fail(
@@ -231,7 +236,7 @@ static cml_status prepare(struct encounter *e, struct cml_error *err)
     return CML_OK;
 }
 
-/* Compares all bodies that lie directly in a layer with one of its boundaries. */
+/* Refuses bodies that lie directly in a layer and meet boundary `number`, the one above or below it. */
 static cml_status check_boundary(const struct cml_scene *scene, int layer, int number, struct cml_error *err)
 {
     const struct cml_body_range bodies = cml_layer_bodies(scene, layer);

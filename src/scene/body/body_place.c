@@ -64,7 +64,8 @@ struct facets {
     double *at;
 };
 
-/* Compares a sphere or cylinder with one facet of a mesh: a cml_boxtree_visit. */
+/* Notes how a sphere or cylinder lies to one facet of a mesh. The search among the facets' boxes calls it
+ * for each facet that comes near. */
 static void compare_with_facet(void *context, uint32_t t)
 {
     struct facets *facets = context;

@@ -75,7 +75,8 @@ double cml_body_volume(const struct cml_scene_body *body)
     return volume;
 }
 
-/* Fills in the corners of an icosahedron on the unit sphere, and its faces. */
+/* Gives the 12 corners and 20 faces of an icosahedron on the unit sphere, from which spheres are meshed. g:
+ * the golden ratio, of which the corners consist. */
 static void icosahedron(double corner[12][3], uint32_t face[20][3])
 {
     const double g = (1 + sqrt(5)) / 2, size = sqrt(1 + g * g);

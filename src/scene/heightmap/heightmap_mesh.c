@@ -18,7 +18,8 @@ struct builder {
     bool out_of_memory;
 };
 
-/* Adds a triangle and marks the samples that it uses: a cml_split_visit. */
+/* Adds a triangle to the mesh of a heightmap, and marks the samples that it uses as vertices. cml_split_walk
+ * calls it for each triangle. */
 static void add_triangle(void *context, const size_t corner[3])
 {
     struct builder *b = context;
@@ -209,7 +210,8 @@ static void note_errors(const struct cml_heightmap *map, double *surface, struct
     notes->slope_error = difference.slope_rms;
 }
 
-/* Merges triangles within the tolerance, and checks their number against the budget. */
+/* Joins small triangles of a heightmap to larger ones as far as the tolerance allows, and checks their
+ * number against the budget. */
 static cml_status merge(struct builder *b, double tolerance, const struct cml_mesh_budget *budget,
                         double *surface, struct cml_error *err)
 {

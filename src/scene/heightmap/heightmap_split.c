@@ -129,7 +129,8 @@ static void square_at(int x, int y, int size, struct triangle half[2])
     half[1] = (struct triangle){low, high, {x, y + size}};
 }
 
-/* Computes the errors of all middles of a heightmap, from the smallest triangles upwards. */
+/* Computes for every sample how far the mesh would be off if the sample were left out, from the smallest
+ * triangles to the largest. */
 cml_status cml_split_create(const struct cml_heightmap *map, struct cml_split *split, struct cml_error *err)
 {
     const int cells = (map->nx < map->ny ? map->nx : map->ny) - 1;

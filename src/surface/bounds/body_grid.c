@@ -214,7 +214,8 @@ static void spread_row(float *row, size_t step, int n, float *scratch)
     for (int i = 0; i < n; i++) row[(size_t)i * step] = scratch[i];
 }
 
-/* Spreads distances along x, then y, then z. scratch: as long as the longest row. */
+/* Computes each cell's distance to the nearest marked cell from distances along x, then y, then z. scratch:
+ * as long as the longest row. */
 static void spread(const struct filling *f, float *scratch)
 {
     const int *n = f->cells->n;
@@ -241,7 +242,8 @@ static void find_distances(struct filling *f)
             fmaxf(0, fmaxf(fminf(f->closest[i], BEYOND), sqrtf(f->far[i])) - (float)CML_CELL_MARGIN);
 }
 
-/* Makes the ball of each cell. This is the last step, because a ball includes the patches of many cells. */
+/* Finds for each cell a ball around it that is free of surfaces, or in which two planes bound them. This is
+ * the last step, because a ball includes the patches of many cells. */
 static void make_balls(const struct filling *f, struct cml_body_ball *ball)
 {
     const int *n = f->cells->n;

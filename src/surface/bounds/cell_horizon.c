@@ -85,7 +85,7 @@ static float steepest_nearby(const struct view *view, int x, int y)
     return most;
 }
 
-/* Finds `nearby` of all cells of a level. */
+/* Computes for all cells of a level the steepest slope under which cells close by are seen. */
 static void find_nearby(const struct view *view)
 {
     for (int y = 0; y < view->size; y++)

@@ -214,8 +214,8 @@ static bool fills_its_box(const struct cml_mesh *mesh)
     return fabs(fabs(area) - box) <= 1e-9 * box;
 }
 
-/* Extends the cells' depth ranges to include a mesh and its outer plane. steepest: [cells of the horizons'
- * level] zeros on entry; becomes the slope of the steepest facet above each cell. */
+/* Bounds the depths of a mesh, and of the plane outside it, in the cells of the map. steepest: zeros on
+ * entry; becomes the slope of the steepest facet above each cell of the horizons' level. */
 static void cover_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map, float *steepest)
 {
     for (size_t i = 0; i < mesh->num_triangles; i++) {

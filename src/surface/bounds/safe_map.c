@@ -127,7 +127,8 @@ static bool is_far(const struct block *block, double safe)
     return safe >= FAR * reach_of(block);
 }
 
-/* Fills a block: divides it until its parts are far from the surface, or single cells. */
+/* Fills a block of the map with safe distances: divides it until its parts are far from the surface, or
+ * single cells. */
 static void fill_block(struct filling *f, struct block block)
 {
     const double facets = closest_facet(f, block.middle, &block.facet),

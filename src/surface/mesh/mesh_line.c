@@ -325,10 +325,10 @@ static bool lies_below(const struct cml_mesh_line *line)
     return ends_below + line->winding_ahead > 0;
 }
 
-/* Decides the query by the whole line. If the packet is on its own side, the first exiting crossing ahead
- * counts. If the packet is beyond a facet by rounding, the facet that its line passes counts, unless the
- * packet is near a facet through which it is about to come back. A crossing that the query has found at the
- * same place is kept, because it may have the normal of an edge or a vertex. */
+/* Decides a doubtful query by all crossings of the whole line. If the packet is on its own side, the first
+ * crossing ahead that leaves counts; if rounding has put it beyond a facet, this facet counts, unless it is
+ * about to come back. A crossing that the query found at the same place is kept, because it may have the
+ * normal of an edge. */
 void cml_line_decide(struct cml_mesh_line *line, struct cml_mesh_query *q)
 {
     const double t_max = line->length;

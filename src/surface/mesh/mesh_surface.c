@@ -46,7 +46,8 @@ struct query {
     bool contact_only; /* only looks for facets that the packet may be beyond */
 };
 
-/* Tests a triangle. Returns true if it may be the packet's next crossing. */
+/* Tests in double precision whether a ray meets a triangle, and keeps the crossing if it is the best.
+ * Returns true if it may be the packet's next crossing. */
 static bool test_triangle(struct cml_mesh_query *q, int primitive)
 {
     double t, weight[3];
@@ -475,7 +476,8 @@ static cml_status build_map(struct cml_mesh_surface *surface, struct cml_error *
     return cml_safe_map_create(&surface->centred, bytes, &surface->map, err);
 }
 
-/* Makes a surface. A repeated mesh gets no map of safe distances. */
+/* Makes the surface of a mesh with all its search structures: the fast search, Embree's boxes and, unless it
+ * is repeated, a map of safe distances. */
 static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
                          bool repeated, struct cml_mesh_surface **surface, struct cml_error *err)
 {

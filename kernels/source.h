@@ -45,8 +45,9 @@ CML_FN real cml_word_share(cml_u32 word, cml_u32 first, cml_u32 next)
     return ((real)(word - first) + (real)0.5) / (count ? (real)count : (real)4294967296.0);
 }
 
-/* Returns a position in pixels: the row or column of an image, plus the place within it. words: the number of
- * rows or columns in use, then the lowest word of each. *which: its number among those in use. */
+/* Draws a row or a column of a beam's image from a random word: returns the position in pixels, with the
+ * place within the pixel. words: the number of rows or columns in use, then the lowest word of each. *which:
+ * the number drawn. */
 CML_FN real cml_image_place(const CML_GLOBAL cml_u32 *words, cml_u32 word, int *which)
 {
     const int used = (int)words[0], k = cml_word_part(words + 1, used, word);

@@ -46,7 +46,8 @@ static cml_status answer(const struct cml_options *options, struct cml_error *er
     return CML_OK;
 }
 
-/* Runs the program on all ranks; all return the worst status of all, and its message. */
+/* Reads the options and does the command on all ranks. All return the worst status of all, and its
+ * message. */
 static cml_status work(int argc, char **argv, struct cml_error *err)
 {
     struct cml_options options;

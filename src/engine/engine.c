@@ -205,7 +205,7 @@ const char *cml_fate_name(int fate)
     return names[fate];
 }
 
-/* Names a cause for which packets are given up, for messages. */
+/* Returns words for the cause for which a packet was given up, for messages. */
 const char *cml_lost_cause_name(int cause)
 {
     static const char *const names[CML_NUM_LOST_CAUSES] = {"not lost",

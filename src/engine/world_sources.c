@@ -341,7 +341,8 @@ static cml_status check_flight(const struct cml_scene *scene, const struct cml_b
 
 /* ---- near ---- */
 
-/* Places a beam that starts at a depth of its own, near or far from the scene. */
+/* Fills in a beam that starts inside the scene, at a depth of its own: where it starts, in which medium, and
+ * how it is drawn. */
 static cml_status place_inside(const struct cml_scene *scene, const struct cml_beam *beam,
                                const struct cml_surface_set *surfaces, const struct cml_world *world,
                                struct cml_source *source, struct cml_error *err)

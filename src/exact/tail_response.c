@@ -132,7 +132,7 @@ static void fill_interval(const struct cml_flat_tail *tail, int interval, const 
     }
 }
 
-/* Scales each score by a power of two into 0..1, and converts it to single precision. */
+/* Scales each score of the table by a power of two to at most 1, and converts it to single precision. */
 static void scale(struct cml_flat_tail *tail, const double *table)
 {
     const int cells = tail->intervals * (CML_FLAT_TAIL_CELLS + 1);
@@ -151,7 +151,8 @@ static void scale(struct cml_flat_tail *tail, const double *table)
     }
 }
 
-/* Computes the responses at the nodes, interpolates the table and scales it. */
+/* Makes the table that replaces the flight below a level in flat layers: computes exact responses for some
+ * directions of light, interpolates the table's cells from them and scales it. */
 static cml_status fill(const struct cml_medium_def *stack, int num_layers, struct cml_flat_tail *tail,
                        struct cml_error *err)
 {

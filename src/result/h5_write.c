@@ -16,7 +16,7 @@ struct fields {
     int count;
 };
 
-/* Sets the axes to the middles of bins. Layers and bodies are numbered from 1. */
+/* Sets the axes of the .h5's fields: the middles of bins; layers and bodies are numbered from 1. */
 static void set_axes(struct fields *f, const struct cml_outcome *o)
 {
     const double da = cml_angle_width(o->na);

@@ -373,7 +373,7 @@ static cml_status synchronise(struct flight *flight, cml_status mine, enum next_
     return CML_OK;
 }
 
-/* Flies from synchronisation to synchronisation until rank 0 ends the run. */
+/* Flies packets until the run ends. Ranks meet at times, and rank 0 decides how to go on. */
 static cml_status fly_all(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -570,7 +570,7 @@ struct cml_tally_grid cml_run_grid(const struct cml_run_setup *setup)
     return grid;
 }
 
-/* Clears all members first, so that every step may fail: closing what is zero does nothing. */
+/* Flies all packets of a run. All members are cleared first, because closing what is zero does nothing. */
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
     const struct cml_tally_grid grid = cml_run_grid(setup);

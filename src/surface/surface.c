@@ -313,7 +313,8 @@ static cml_status represent_bodies(const struct cml_scene *scene, const struct c
     return status;
 }
 
-/* Represents every boundary, then every body. Frees all of them again after a failure. */
+/* Makes for every boundary and every body of the scene the surface that queries search. A boundary that
+ * options->shared has too is shared with it. All are freed again after a failure. */
 cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
                                struct cml_surface_set *set, struct cml_error *err)
 {

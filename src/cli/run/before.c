@@ -91,8 +91,8 @@ static const char *fault_of(const struct looking *looking, const struct cml_repo
     return looking->resumes || looking->extends ? fault_of_result(looking, file) : NULL;
 }
 
-/* Looks at one file of the run, as a cml_report_file_function. Keeps the first file that exists, and the
- * first one with a fault. */
+/* Looks, before the flight, at one file that the run may write. Keeps the path of the first file that is
+ * there already, and that of the first one that is missing or of another run, with what is wrong. */
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     const struct looking *looking = context;
@@ -290,8 +290,8 @@ bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
     return true;
 }
 
-/* Notes files that will be replaced. The file of saved packets has a name of its own, and may belong to
- * another run. */
+/* Tells the user which files of an earlier run will be replaced. The file of saved packets has a name of its
+ * own, and may belong to another run. */
 static void note_replaced(const struct cml_scene *scene, const char *there)
 {
     struct cml_error ignored;

@@ -143,7 +143,7 @@ static cml_status identify(struct cml_sweep_run *sweep, struct cml_error *err)
     return cml_identity_inputs(&files, &sweep->identity, err);
 }
 
-/* True if a column before this one has the same name in the .h5. */
+/* True if an earlier column of the sweep's table would have the same name in the .h5. */
 static bool is_taken(const struct cml_sweep_table *table, int column, const char *name)
 {
     char other[CML_SETTING_NAME];

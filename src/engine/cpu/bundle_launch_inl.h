@@ -273,8 +273,9 @@ static void cml_launch_lattice(struct cml_flight *f, int first, cml_u32 lanes)
     cml_bundle_launch_lattice(f->b, reversed, queue->shifts, first, lanes);
 }
 
-/* Gives packets of the queue, from entry `at` on, their places and directions (P1). The depth of the start is
- * the same for all. */
+/* Moves the places and directions of launched packets (P1) from the queue, where entry `at` is the next one,
+ * into those lanes of a group that are free: the bits of `lanes`. first: the group's first lane. All start
+ * at the same depth. */
 static void cml_launch_placed(struct cml_flight *f, int at, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;

@@ -180,8 +180,9 @@ static void facet_corners(const struct filling *f, const struct cell_facet *face
             corner[k][i] = (mesh->vertex[mesh->triangle[facet->triangle][k]][i] - middle[i]) / f->cells->cell;
 }
 
-/* Makes the patches of meshes: first the mean normals, then the heights along them, then unit normals. A
- * patch of several facets is normalised several times, which changes nothing. */
+/* Bounds the facets of meshes in each cell by a patch, two parallel planes: first the mean normals, then the
+ * heights along them, then unit normals. A patch of several facets is normalised several times, which
+ * changes nothing. */
 static void make_mesh_patches(const struct filling *f)
 {
     double corner[3][3];

@@ -93,10 +93,10 @@ static void find_nearby(const struct view *view)
             view->nearby[cell_at(view->size, x, y)] = steepest_nearby(view, x, y);
 }
 
-/* Returns an upper bound of the slope at which any place of a cell (x, y) of the finest view sees another
+/* Returns the steepest slope (an upper bound) at which any place of the finest cell (x, y) sees another
  * place of the mesh. ground: a depth beyond which every packet in the cell lies, cm, positive towards the
- * packet's side. On each level, no slope exceeds that of the steepest facet above the cells that touch the
- * cell's parent, because the parts that this level sees lie above these cells. */
+ * packet's side. Each coarser level covers parts that lie further away: their furthest reach over their
+ * least distance, but no more than the slope of the steepest facet near the cell's parent. */
 static float steepest_view(const struct view *view, int levels, int x, int y, float ground)
 {
     float most = view[0].nearby[cell_at(view[0].size, x, y)];

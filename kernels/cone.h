@@ -324,8 +324,8 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     return 1;
 }
 
-/* Finds the crossing of a ray parallel to the axis. The ray stays at one radius, so its height is linear in
- * t. */
+/* Finds the crossing of a ray parallel to the axis; 0: there is none before t_max. The ray stays at one
+ * radius, so its height is linear in t. */
 CML_FN int cml_cone_hit_vertical(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing,
                                  real t_max, real *t)
 {

@@ -237,8 +237,8 @@ CML_FN void cml_mark_above(const struct cml_world *world, const struct cml_depos
     (void)cml_mark_far(world, to, &s, mark, s.p.z);
 }
 
-/* Draws the place of a packet's first mark, at random within one spacing, and scores the fluence along the
- * line on which the packet has come to its start. */
+/* Draws the place of a packet's first mark (a place on its path where fluence is scored), at random within
+ * one spacing. Then scores the fluence along the line on which the packet has come to its start. */
 CML_FN void cml_mark_first(const struct cml_world *world, const struct cml_deposits *to,
                            struct cml_packet *packet)
 {

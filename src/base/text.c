@@ -209,8 +209,8 @@ char *cml_text_word(char **cursor)
     return close ? word + 1 : word;
 }
 
-/* Parses a decimal number. The set of characters excludes hexadecimal numbers, nan and inf, which strtod
- * would accept. */
+/* Parses a decimal number; false: it is none. The set of characters excludes hexadecimal numbers, nan and
+ * inf, which strtod would accept. */
 bool cml_parse_double(const char *word, double *value)
 {
     if (word[strspn(word, "+-.0123456789eE")] != '\0') return false;

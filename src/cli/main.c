@@ -89,8 +89,8 @@ static bool is_handed_over(int argc, char *const *argv)
     return true;
 }
 
-/* Prints one message for all ranks. After contact was lost the other ranks print theirs, too, if the launcher
- * has not ended them: rank 0 may be the lost one. */
+/* Runs the program and returns its exit status. One message is printed for all ranks. After contact was lost
+ * the other ranks print theirs, too, if the launcher has not ended them: rank 0 may be the lost one. */
 int main(int argc, char **argv)
 {
     struct cml_error err = {CML_OK, ""};

@@ -82,7 +82,8 @@ cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int 
     return CML_OK;
 }
 
-/* Interpolates between two rounds, linearly in logarithms. The first may have seen nothing. */
+/* Returns the error between two rounds of the pilot, interpolated linearly in logarithms. The first may have
+ * seen nothing. */
 static double interpolate(const struct cml_pilot_round rounds[2], int goal, double error)
 {
     const double slope =

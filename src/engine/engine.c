@@ -110,8 +110,9 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
     return grid;
 }
 
-/* Pieces become smaller towards the end (guided scheduling), so that all threads end at about the same
- * time. */
+/* Returns how many photons a thread takes at once. Pieces become smaller towards the end (guided
+ * scheduling), so that all threads end at about the same time. takers: number of threads; left: photons
+ * left. */
 uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
 {
     const uint64_t least = 16;
@@ -197,7 +198,7 @@ cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uin
     return status;
 }
 
-/* Names how a packet has ended. */
+/* Returns words for how a packet has ended. */
 const char *cml_fate_name(int fate)
 {
     static const char *const names[CML_NUM_FATES] = {"alive",    "absorbed", "reflected", "transmitted",

@@ -9,7 +9,8 @@ static double *row_of(double *matrix, int n, int i)
     return matrix + (size_t)i * (size_t)n;
 }
 
-/* True if row i is full. Calls must come with rising i; *next counts the full rows met until now, from 0. */
+/* True if row i of a matrix is full: it may have other elements than its diagonal. Calls must come with
+ * rising i; *next counts the full rows met until now, from 0. */
 static bool is_full(const struct cml_dense_kind *kind, int i, int *next)
 {
     const bool full = *next < kind->num_full && kind->full[*next] == i;

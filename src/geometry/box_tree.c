@@ -249,9 +249,10 @@ struct search {
     void *context;
 };
 
-/* Searches two trees for pairs, going down in the tree with more triangles first. A pair of nodes whose boxes
- * do not touch ends the search below both nodes [S. Gottschalk, M. C. Lin and D. Manocha, OBBTree, SIGGRAPH
- * 1996, 171, with oriented boxes]. */
+/* Searches two trees for pairs of triangles whose boxes touch; true if the callback `pair` has ended the
+ * search. It goes down in the tree with more triangles first. A pair of nodes whose boxes do not touch ends
+ * the search below both nodes [S. Gottschalk, M. C. Lin and D. Manocha, OBBTree, SIGGRAPH 1996, 171, with
+ * oriented boxes]. */
 static bool search_two(const struct search *search, struct node a, struct node b)
 {
     if (!boxes_touch(&search->a->box[a.at], &search->b->box[b.at])) return false;
@@ -261,8 +262,9 @@ static bool search_two(const struct search *search, struct node a, struct node b
     return search_two(search, a, left_of(b)) || search_two(search, a, right_of(b));
 }
 
-/* Searches one tree for pairs. Each pair of triangles is separated by exactly one node, which has one
- * triangle on its left side and the other on its right side. */
+/* Searches one tree for pairs of triangles whose boxes touch; true if the callback has ended the search.
+ * Each pair is separated by exactly one node, which has one triangle on its left side and the other on its
+ * right side. */
 static bool search_own(const struct search *search, struct node node)
 {
     if (node.count == 1) return false;

@@ -25,9 +25,10 @@ struct loop {
     double area; /* signed area in (x, y), cm2 */
 };
 
-/* Walks the loop from vertex `start`. leaving[v] is the border half-edge that begins at v; there is only one,
- * as the triangles around v are one fan. The area is a sum of triangles with a corner at `start` (shoelace
- * formula). `seen` and `border` may be NULL. */
+/* Walks around a border from vertex `start`, and returns the number of its vertices and the area inside.
+ * leaving[v] is the border half-edge that begins at v; there is only one, as the triangles around v are one
+ * fan. The area is a sum of triangles with a corner at `start` (shoelace formula). `seen` and `border` may
+ * be NULL. */
 static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leaving, uint32_t start,
                              uint8_t *seen, uint32_t *border)
 {
@@ -229,7 +230,8 @@ static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t 
     return status;
 }
 
-/* Turns a mesh that is upside down: reverses all triangles and the border. No vertex moves. */
+/* Turns a mesh that is upside down: reverses all triangles and the border. No vertex moves. Triangles that
+ * had been reversed already have now their old sense again, so the number of reversed ones is the rest. */
 static void flip_sheet(struct cml_mesh_work *work)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -25,7 +25,8 @@ static cml_status make_room(const struct cml_mci_reader *rows, struct cml_light 
     return cml_array_grow(&light->intensity, (size_t)light->rows, sizeof *light->t, "a table", rows->err);
 }
 
-/* Reads a row: an angle larger than the last one, and an intensity, whose square must not be subnormal. */
+/* Reads a row of a light's table: an angle larger than that of the row before, in degrees, and an intensity.
+ * Intensities have bounds, because their squares must be normal numbers. */
 static cml_status read_row(struct cml_mci_reader *rows, struct cml_light *light)
 {
     static const struct cml_key degrees = {.name = "angle", .noun = "degrees", .most = 180},

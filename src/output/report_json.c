@@ -77,8 +77,8 @@ static void set_results(json_t *object, const struct cml_report *report)
         if (cml_quantities[i].where & CML_IN_JSON) set_parts(object, o, (enum cml_quantity)i);
 }
 
-/* Sets times in seconds: `idle` is the wait for other ranks, `asking` the wait for photons, and `sums` the
- * time for summing results and writing checkpoints. */
+/* Returns a list of the ranks' times in seconds: `idle` is the wait for other ranks, `asking` the wait for
+ * photons, and `sums` the time for summing results and writing checkpoints. */
 static json_t *ranks_json(const struct cml_timing *timing)
 {
     json_t *list = json_array();
@@ -163,7 +163,7 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
     return cml_json_print(stream, object, err);
 }
 
-/* Sets the values of --set and of a row of a sweep; all of them are numbers. */
+/* Returns an object with the values of --set and of a row of a sweep, from lines "NAME = NUMBER". */
 static json_t *settings_json(const char *text)
 {
     json_t *object = json_object();

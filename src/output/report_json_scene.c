@@ -36,7 +36,8 @@ static void set_rough(json_t *object, const struct cml_rough_def *rough)
                         json_pack("{s:s, s:f}", "kind", cml_rough_word(rough->kind), "alpha", rough->alpha));
 }
 
-/* Sets the representation of a boundary: plane, cones or mesh, and its bias. An unknown bias is infinite. */
+/* Returns an object that describes how a boundary is represented: as plane, cones or mesh, and its bias. An
+ * unknown bias is infinite. */
 json_t *cml_json_boundary(const struct cml_json_subject *subject, int b)
 {
     const struct cml_surface_def *def = &subject->surfaces->item[b];
@@ -52,7 +53,8 @@ json_t *cml_json_boundary(const struct cml_json_subject *subject, int b)
     return object;
 }
 
-/* Sets the key `phase` of a medium with a phase line: the words of the line. */
+/* Adds the key `phase`, the words of the phase line, to the object of a medium that has such a line; returns
+ * the object. */
 static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
 {
     char words[128] = "";

@@ -81,7 +81,8 @@ static bool is_sound(struct reader *r, char *line, bool may_be_key)
     return true;
 }
 
-/* Reads the head up to the number of layers. The line behind the file name holds the number of photons. */
+/* Reads the head of an .mco up to the number of layers; false if it is none. The line behind the file name
+ * holds the number of photons. */
 static bool read_head(struct reader *r)
 {
     uint64_t nz, nr, na, layers;
@@ -128,7 +129,8 @@ static bool is_text(const struct cml_text *text)
     return true;
 }
 
-/* Reads the head of an .mco. A file without an identity is not checked beyond its head. */
+/* Reads the head of an .mco; false if it is none. A file without an identity is not checked beyond its
+ * head. */
 static bool read_mco(const char *path, struct cml_head *head)
 {
     struct reader r = {.head = head};

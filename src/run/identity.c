@@ -8,8 +8,8 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Takes only options that change bits. Threads, ranks, chunks and devices do not, so a run may be resumed
- * with others. */
+/* Returns the options that decide the bits of a result. Threads, ranks, chunks and devices do not, so a run
+ * may be resumed with others. */
 struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
                                          const struct cml_surface_options *surface, bool flat)
 {

@@ -85,8 +85,8 @@ struct edge {
     double along, foot, distance;
 };
 
-/* Makes an edge. A vertical edge is a point when seen from above: `along` is then 0, and the other numbers
- * mean nothing. */
+/* Returns an edge with the numbers by which gaps along it are found. A vertical edge is a point when seen
+ * from above: `along` is then 0, and the other numbers mean nothing. */
 static struct edge make_edge(const double *a, const double *b)
 {
     struct edge edge = {a, b, hypot(b[0] - a[0], b[1] - a[1]), 0.0, hypot(a[0], a[1])};

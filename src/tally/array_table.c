@@ -170,8 +170,9 @@ static int num_together(const struct cml_array_order *order, int first)
     return n;
 }
 
-/* Places the arrays one behind the other in the holder's order. Arrays that are stored together
- * (num_together) alternate: one part of each, then the next part of each. */
+/* Returns where in memory each array of a tally or a result begins. They lie one behind the other in the
+ * holder's order. Arrays that are stored together (num_together) alternate: one part of each, then the next
+ * part of each. */
 struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder)
 {
     const struct cml_array_order order = cml_order_of(holder);

@@ -110,9 +110,9 @@ bool cml_deal_has(const struct cml_deal *deal, uint64_t photon)
            own / CML_NUM_BATCHES < of_beam(deal->after, (int)beam, own % CML_NUM_BATCHES);
 }
 
-/* Finds which photons belong to a turn of the run: the beam and its photons in the turn's batch. A piece
- * ends with the beam's photons in the batch, or at a multiple of 2^32 points, where the lattice gets new
- * shifts (`sheet`: one such range of points). */
+/* Returns the photons that belong to a turn of the run: the beam and its photons in the turn's batch. A
+ * piece ends with the beam's photons in the batch, or at a multiple of 2^32 points, where the lattice gets
+ * new shifts (`sheet`: one such range of points). */
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn)
 {
     const struct cml_piece all = cml_piece_at(deal->begin, deal->end, turn);

@@ -96,7 +96,7 @@ void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_
     }
 }
 
-/* Joins the parts in which tallies keep a moment (CML_MOMENT_CELLS). */
+/* Returns a moment, joined from the parts in which tallies keep it (CML_MOMENT_CELLS). */
 static cml_u128 moment_of(const uint64_t *parts)
 {
     cml_u128 sum = 0;

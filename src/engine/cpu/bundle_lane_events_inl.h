@@ -20,8 +20,8 @@ static int cml_first_hit_is_known(const struct cml_flight *f, int medium, cml_u3
     return f->first_hit_known && medium == 0 && boundary_events == 0;
 }
 
-/* Finds the packet's first crossing with a boundary, as cml_nearest_hit does. There is no search if the hit
- * is known, because all packets of a pencil beam begin alike. */
+/* Finds the packet's first crossing with a boundary, as cml_nearest_hit does; 0: there is none. Nothing is
+ * searched if the hit is known, because all packets of a pencil beam begin alike. */
 static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet,
                         struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {

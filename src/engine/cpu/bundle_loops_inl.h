@@ -206,7 +206,8 @@ struct cml_lane_candidates {
     int ends_above, ends_below, starts_above, starts_below;
 };
 
-/* Finds the boundaries that lane i may meet on a path of length s (cm). */
+/* Returns which boundaries lane i may meet on a path of length s (cm), by the depths at which the path
+ * starts and ends. */
 static inline struct cml_lane_candidates cml_find_lane_candidates(const struct cml_bundle *b, int i, real s)
 {
     const real z = b->z[i], step = s * b->uz[i], end = z + step, err_depth = cml_err_depth(z, step);

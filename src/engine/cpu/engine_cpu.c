@@ -8,8 +8,8 @@ extern const struct cml_engine cml_engine_cpu_base;
 extern const struct cml_engine cml_engine_cpu_v3, cml_engine_cpu_v4;
 #endif
 
-/* Lists the compiled versions of the engine that this processor can run, the fastest first. The baseline
- * runs on every machine. */
+/* Lists the compiled versions of the engine that this processor can run, the fastest first, and returns
+ * their number. The baseline runs on every machine. */
 int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS])
 {
     int count = 0;

@@ -162,8 +162,8 @@ const char *cml_opencl_build(void)
     return "OpenCL 1.2";
 }
 
-/* Ranks of one machine share its GPUs in turn. A CPU that is also a device is left to ranks of machines
- * without a GPU. */
+/* Returns the number of the device that a rank takes without --device. Ranks of one machine share its GPUs
+ * in turn. A CPU that is also a device is left to ranks of machines without a GPU. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
     int gpus = 0;

@@ -23,8 +23,8 @@ static bool is_whole(const struct cml_key *key)
     return key->type == CML_KEY_INT || key->type == CML_KEY_COUNT;
 }
 
-/* Parses a whole number twice: as a count, which refuses decimals, and as a double, because ranges are
- * doubles. */
+/* Parses a value of a key and checks its range; false: it is not valid. A whole number is parsed twice: as a
+ * count, which refuses decimals, and as a double, because ranges are doubles. */
 bool cml_key_parse(const struct cml_key *key, const char *word, double *value)
 {
     double number = 0;

@@ -36,7 +36,7 @@ static char *next_word(struct grid *g)
     }
 }
 
-/* Parses a height or the value of NODATA_value, which some programs write as nan. */
+/* Parses a height or the value of NODATA_value, which some programs write as nan. False: it is no number. */
 static bool parse_height(const char *word, double *value)
 {
     if (strcasecmp(word, "nan") != 0) return cml_parse_double(word, value);

@@ -31,7 +31,7 @@ static const char *values_of(const struct field *f)
     return f->pixels ? "pixels" : "heights";
 }
 
-/* Removes the blanks around a name or a value. */
+/* Removes the blanks around a name or a value, and returns where it begins. */
 static char *trim(char *text)
 {
     text += strspn(text, " \t");
@@ -159,8 +159,8 @@ static cml_status find_heights(const struct field *f, size_t *begin)
                     text->path, found, values_of(f), *begin, expected, f->xres, f->yres);
 }
 
-/* Reads a float byte by byte, because the file's order of bytes is fixed while the machine's is not, and the
- * address need not be aligned. reversed: takes the first byte as the highest. */
+/* Returns a float that is read byte by byte, because the file's order of bytes is fixed while the machine's
+ * is not, and the address need not be aligned. reversed: takes the first byte as the highest. */
 static double float_at(const char *data, bool reversed)
 {
     const unsigned char *byte = (const unsigned char *)data;

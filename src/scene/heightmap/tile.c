@@ -222,9 +222,9 @@ static void keep_closest(double upper, double lower, double x, double y, double 
     at[2] = upper;
 }
 
-/* Finds where two tiles come closest, at corners and middles of cells only. Both tiles are linear over the
- * same half cells or, where their diagonals differ, over the same quarters of cells. The gap is therefore
- * least at a corner or in the middle of a cell. */
+/* Finds where two tiles come closest; false if their grids differ. Corners and middles of cells are enough:
+ * both tiles are linear over the same half cells or, where their diagonals differ, over the same quarters of
+ * cells. */
 bool cml_tile_closest(const struct cml_heightmap *upper, double z_upper, const struct cml_heightmap *lower,
                       double z_lower, double *gap, double at[3])
 {

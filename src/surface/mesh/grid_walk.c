@@ -299,8 +299,8 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
     return verdict == MISS && ends_inside && !ends_in_cell ? UNDECIDED : verdict;
 }
 
-/* Walks over the cells below the part of the ray that lies between the mesh's depths. A ray that begins far
- * away is undecided, and so is a ray from beside the grid that may reach the grid. */
+/* Walks over the cells below the part of the ray that lies between the mesh's depths. Returns false if the
+ * answer is undecided, as for a ray that begins far away or comes from beside the grid and may reach it. */
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->centred->upper[0];

@@ -62,7 +62,7 @@ static uint64_t random_number(uint32_t vertex)
     return (x ^ (x >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
 }
 
-/* Intersects the ray with a triangle; *t becomes the distance, weight[] the barycentric coordinates. A ray
+/* True if the ray meets a triangle: *t becomes the distance, weight[] the barycentric coordinates. A ray
  * within rounding of an edge hits the triangles on both sides, because exact signs alone would leave
  * pinholes at vertices and along the border. */
 bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, double weight[3])
@@ -141,9 +141,9 @@ static bool clip_to_slabs(const struct cml_mesh_query *q, double *enter, double 
     return *enter <= *leave;
 }
 
-/* Finds where a ray enters and leaves the mesh's box. Later steps compute from the entry point, whose small
- * numbers lose little in single precision. Also sets the bounds of rounding of the entry point and of
- * products of lengths. */
+/* Finds where a ray enters and leaves the mesh's box; false if it misses the box. Later steps compute from
+ * the entry point, whose small numbers lose little in single precision. Also sets the bounds of rounding of
+ * the entry point and of products of lengths. */
 bool cml_query_clip_ray(struct cml_mesh_query *q, double *leave)
 {
     double enter = 0, size = 0;
@@ -171,8 +171,8 @@ bool cml_query_enter(struct cml_mesh_query *q)
     return true;
 }
 
-/* Sets the entry point of the whole line, ahead of the origin and behind it. *leave becomes the distance at
- * which the line leaves the box. */
+/* Sets the entry point of the whole line, ahead of the origin and behind it; false if the line misses the
+ * box. *leave becomes the distance at which the line leaves the box. */
 bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
 {
     q->t_entry = -INFINITY;
@@ -407,7 +407,8 @@ bool cml_query_is_doubtful(const struct cml_mesh_query *q)
            (q->centred->mesh.unite && (q->primitive >= 0 || q->exclude >= 0));
 }
 
-/* Writes the best crossing of a query to *crossing: its place, its primitive and its normals. */
+/* Writes the best crossing of a query to *crossing: its place, its primitive and its normals. Returns 0 if
+ * there is none. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
                      struct cml_mesh_crossing *crossing)
 {

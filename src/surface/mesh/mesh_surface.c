@@ -283,7 +283,8 @@ static void find_depths(const struct cml_mesh_surface *surface, double err_posit
     *high = centred->upper[2] + centred->centre[2] + more;
 }
 
-/* Turns the crossing that a segment has found into a crossing of the whole path. */
+/* Turns the crossing that a search in one copy of a repeated mesh has found into a crossing of the whole
+ * path. Returns 0 if there is none. */
 static int finish_tile(const struct cml_mesh_surface *surface, const struct cml_tile_path *path,
                        struct cml_mesh_crossing *crossing)
 {
@@ -293,8 +294,8 @@ static int finish_tile(const struct cml_mesh_surface *surface, const struct cml_
     return crossing->primitive >= 0;
 }
 
-/* Follows a path over a tile, segment by segment. A segment that begins on the way also has the rounding of
- * its distance from the path's origin. */
+/* Follows a path over a repeated mesh, copy by copy, to its first crossing; 0: there is none. A segment that
+ * begins on the way also has the rounding of its distance from the path's origin. */
 static int hit_tile(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
                     double t_max, int exclude, int undeflected, int exact, double err_position,
                     struct cml_mesh_crossing *crossing)

@@ -90,8 +90,9 @@ static bool clip_to_depths(struct cml_tile_path *path, double low, double high)
     return path->from < path->end;
 }
 
-/* Begins a path over a repeated mesh. Most paths are short and end over the copy where they begin, so only a
- * path that leaves its first copy is clipped to the mesh's depths. */
+/* Begins a path over a repeated mesh; false if the path stays above or below the mesh. Most paths are short
+ * and end over the copy where they begin, so only a path that leaves its first copy is clipped to the mesh's
+ * depths. */
 bool cml_tile_begin(const struct cml_mesh_period *period, const double p[3], const double u[3], double t_max,
                     int exclude, double low, double high, struct cml_tile_path *path)
 {

@@ -152,8 +152,9 @@ static int choose(const struct group *child, int children, int depth)
     return largest;
 }
 
-/* Divides a group of facets into up to CML_GROUP (16) children of a node, always splitting the child that
- * `choose` names. Very deep down, groups are simply halved, so that the depth stays bounded. */
+/* Divides a group of facets into up to CML_GROUP (16) children of a node and returns their number. It always
+ * splits the child that `choose` names. Very deep down, groups are simply halved, so that the depth stays
+ * bounded. */
 static int divide(const struct builder *b, struct group child[CML_GROUP], int depth)
 {
     int children = 1;

@@ -82,9 +82,9 @@ static inline uint32_t enter_node(const struct search *s, const struct cml_tree_
     return ~cml_group_negative(room) & CML_GROUP_MASK;
 }
 
-/* Tests if the path meets the plane of any facet of a leaf; mostly it meets none. The test compares the
- * distances of the path's two ends from the plane, because a ray along the plane has no crossing distance t.
- */
+/* Returns the mask of a leaf's facets whose plane the path meets; mostly there are none. The test compares
+ * the distances of the path's two ends from the plane, because a ray along the plane has no crossing
+ * distance t. */
 static inline uint32_t test_planes(const struct search *s, const struct cml_tree_leaf *leaf,
                                    struct tested *tested)
 {

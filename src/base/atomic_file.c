@@ -262,7 +262,7 @@ void cml_file_defer_sync(bool on)
     deferred.on = on;
 }
 
-/* Adds a file to the files that are synced later. Returns false if memory runs out. */
+/* Adds a file to those that are forced to disk later, all together. Returns false if memory runs out. */
 static bool defer(const char *path)
 {
     if (deferred.count == deferred.capacity) {

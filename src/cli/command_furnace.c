@@ -361,7 +361,7 @@ static cml_status prepare(const struct cml_options *options, const struct cml_sc
     return cml_check_memory(options, &f->scene, surfaces, err);
 }
 
-/* Flies the photons of a furnace, then judges and reports on rank 0. */
+/* Flies the photons of a furnace, then judges on rank 0 whether its light is even, and prints the report. */
 static cml_status fly(const struct cml_options *options, struct furnace *f, const struct cml_run_setup *setup,
                       struct cml_error *err)
 {

@@ -189,7 +189,8 @@ static void set_axis(const struct cml_beam *beam, struct cml_source *source)
 
 /* ---- inside ---- */
 
-/* Returns the layer or outer medium at a depth, by the depths of frames. *at: the place in its frame. */
+/* Returns the layer or outer medium at the beam's place plus `off`, by the depth. *at: this place in the
+ * medium's frame. */
 static int layer_at(const struct cml_world *world, const struct cml_beam *beam, const double off[3],
                     struct cml_vec *at)
 {

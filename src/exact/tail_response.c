@@ -36,7 +36,8 @@ static void find_intervals(const struct cml_medium_def *media, int count, struct
     tail->intervals = (int)cml_sort_distinct(tail->index, (size_t)tail->intervals);
 }
 
-/* Makes rays at all nodes, with falling cosines in the level's medium. Returns their number. */
+/* Makes the rays for which responses are computed: at all nodes, with falling cosines in the level's medium.
+ * Returns their number. */
 static int set_rays(const struct cml_flat_tail *tail, struct cml_exact_ray *ray)
 {
     const double n = tail->index[tail->intervals - 1];

@@ -163,7 +163,8 @@ static cml_status visit_all(const struct cml_mesh_work *work, uint32_t *queue, s
     return CML_OK;
 }
 
-/* Lists the first triangle of each part. Parts are numbered in the order of their first triangles. */
+/* Lists the first triangle of each connected part of the mesh. Parts are numbered in the order of their
+ * first triangles. */
 static cml_status list_parts(struct cml_mesh *mesh, size_t parts, struct cml_error *err)
 {
     mesh->part_start = malloc(parts * sizeof *mesh->part_start);

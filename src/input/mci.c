@@ -466,7 +466,7 @@ cml_status cml_mci_read(const char *path, const struct cml_input_options *option
 
 /* ---- a copy of a scene with other numbers ---- */
 
-/* Reads the line of boundary b again, with the file that it may name. */
+/* Reads the line of boundary b again, with the file of a mesh or heightmap that it may name. */
 static cml_status read_shape(const struct cml_mci_reader *copying, const char *path, int line, int b,
                              struct cml_boundary *boundary)
 {

@@ -54,7 +54,7 @@ const char *cml_mci_raw(const struct cml_mci_reader *reader)
     return reader->kept + reader->kept_last;
 }
 
-/* Copies the current line as written, before words are cut out of it in place. */
+/* Copies the current line as written, for messages, before words are cut out of it in place. */
 static cml_status keep_line(struct cml_mci_reader *reader, const char *line)
 {
     const size_t length = strlen(line);

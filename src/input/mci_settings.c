@@ -132,7 +132,8 @@ static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cm
     *part = (struct cml_key_part){CML_KEYS_NONE, NULL};
 }
 
-/* Finds the owner of a name and its index *i; false if the scene has no such owner. */
+/* Finds what a setting's name belongs to, such as a layer or a beam, and its index *i; false if the scene
+ * has no such owner. */
 static bool find_owner(const struct cml_scene *scene, const struct name *name, enum owner *owner, int *i)
 {
     for (*owner = ABOVE; *owner < NUM_OWNERS; ++*owner) {

@@ -253,7 +253,8 @@ static cml_status write_mco(const struct cml_report *report, const char *path, s
     return cml_mco_write(path, &outcome, err);
 }
 
-/* Writes one file of a run, by its content. */
+/* Writes one file of a run: which function does it depends on the file's content, such as .mco, .h5 or a
+ * picture. */
 static cml_status write_file(struct cml_report *report, const struct cml_report_file *file, const char *path,
                              struct cml_error *err)
 {

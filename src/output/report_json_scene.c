@@ -68,7 +68,8 @@ static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
     return medium;
 }
 
-/* Sets the numbers and flags of a scene's line, as in the file; base NULL: null for each. */
+/* Sets in a JSON object the numbers and flags that a line of the scene holds, as in the file. base: the
+ * struct with the values; NULL: null for each. */
 static void set_keys(json_t *object, enum cml_key_group group, const void *base)
 {
     for (const struct cml_key *key = cml_keys_of(group); key->group == group; key++) {

@@ -245,7 +245,8 @@ static double expected_of(const struct cml_result *sums, enum cml_quantity quant
     return value;
 }
 
-/* Returns value i of a quantity, from the sums that its estimator uses. */
+/* Returns value i of a quantity, and sets *error to its standard error if it has one, from the sums that the
+ * quantity is computed from. */
 static double number_of(const struct cml_outcome *o, const struct cml_result *sums,
                         enum cml_quantity quantity, int size, int i, double *error)
 {

@@ -225,7 +225,8 @@ cml_status cml_service_start(struct cml_error *err)
     return CML_OK;
 }
 
-/* Receives the heartbeats that were still under way: MPI_Finalize wants every message received. */
+/* Receives the heartbeats (signs of life of other ranks) that were still under way: MPI_Finalize wants every
+ * message received. */
 static void drain(void)
 {
     uint64_t number = 0;

@@ -222,7 +222,7 @@ static cml_status add_part(const struct cml_run_setup *setup, const struct cml_p
     return status;
 }
 
-/* Adds up all parts in the order of their turns, and the run that they extend. */
+/* Adds up the results of all parts of a run in the order of their photons, and the run that they extend. */
 static cml_status add_parts(const struct cml_run_setup *setup, struct cml_part_files *files,
                             struct cml_run_result *out, struct cml_error *err)
 {

@@ -62,7 +62,7 @@ static bool build_from_cache(const struct cml_opencl_device *device, cl_context 
     return false;
 }
 
-/* Stores the program's binary in the cache. A driver that gives no binary is no failure. */
+/* Stores the compiled program in the cache on the disk. A driver that gives no binary is no failure. */
 static void keep(const char *key, cl_program program)
 {
     size_t size = 0;

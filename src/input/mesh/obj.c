@@ -109,7 +109,7 @@ static void turn_axes(enum cml_up_axis up, const double file[3], double out[3])
     memcpy(out, turned[up], sizeof turned[up]);
 }
 
-/* Returns cosine and sine of an angle in degrees, exact for multiples of 90. */
+/* Finds the cosine and sine of an angle in degrees, exact for multiples of 90. */
 static void find_turn(double degrees, double turn[2])
 {
     const double quarters = round(degrees / 90), rest = (degrees - 90 * quarters) * (CML_PI / 180);

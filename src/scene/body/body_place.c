@@ -181,7 +181,8 @@ static void sort(struct placing *p, int (*compare)(const void *, const void *))
     for (size_t i = 0; i < p->count; i++) cml_body_box(p->solid[i].body, p->box[i][0], p->box[i][1]);
 }
 
-/* True if body i lies in body j, or if the comparison failed: a cml_boxtree_accept. */
+/* True if body i lies in body j, or if the comparison failed. The search for the smallest such body calls
+ * it. */
 static bool lies_in(void *context, uint32_t i, uint32_t j)
 {
     struct placing *p = context;
@@ -251,7 +252,8 @@ static cml_status compare_all(struct placing *p)
     return CML_OK;
 }
 
-/* Finds the hosts of all bodies. sheets: room for the sheets of all meshes. */
+/* Finds for each body the body or layer in which it lies, and refuses bodies that meet. sheets: room for the
+ * search structures of all mesh bodies. */
 static cml_status place(struct placing *p, struct cml_sheet *sheets)
 {
     for (size_t i = 0, meshes = 0; i < p->count; i++) {

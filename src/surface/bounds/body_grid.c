@@ -126,7 +126,8 @@ static void fill_cell(struct filling *f, const struct part *part, int x, int y, 
         cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
 }
 
-/* Fills the cells that a part's box touches, and BAND more cells around it. */
+/* Updates the cells that a part (sphere, cylinder or triangle) touches, and BAND more cells around it: the
+ * distance to the nearest surface. */
 static void fill_band(struct filling *f, const struct part *part)
 {
     int from[3], to[3];

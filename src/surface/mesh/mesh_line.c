@@ -101,7 +101,7 @@ static bool is_before(const struct cml_line_crossing *a, const struct cml_line_c
     return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
 }
 
-/* Adds a crossing to the lot, which keeps the first crossings that were in no earlier lot. */
+/* Adds a crossing of the line to the lot, the list of the first crossings that were in no earlier lot. */
 static void add_to_lot(struct cml_line_parts *parts, const struct cml_line_crossing *crossing)
 {
     if (parts->lot == 0) parts->around += crossing->way;

@@ -55,7 +55,8 @@ static int bin_of(const struct cut *cut, const struct cml_facet_box *box)
     return bin < BINS ? bin : BINS - 1;
 }
 
-/* Lays bins along the cut's axis. Returns false if all middles are equal. */
+/* Divides the range of boxes' middles along the cut's axis into bins, at whose borders cuts are tried.
+ * Returns false if all middles are equal. */
 static bool lay_bins(const struct cml_facet_box *box, size_t count, struct cut *cut)
 {
     float least = INFINITY, most = -INFINITY;
@@ -114,7 +115,7 @@ static void try_cuts(const struct bin bins[BINS], const struct cut *along, size_
     }
 }
 
-/* Moves the boxes below the cut to the front. Returns their number. */
+/* Divides boxes in two at the cut: moves those below it to the front, and returns their number. */
 static size_t part(struct cml_facet_box *box, size_t count, const struct cut *cut)
 {
     size_t low = 0;

@@ -216,7 +216,8 @@ CML_FN real cml_ring_sloped_root(struct cml_ring ring, const struct cml_cone_ray
     return (larger ? q : C) / (larger ? c.A : q_other);
 }
 
-/* Finds the root in a ring of any slope. Returns 0 if there is none. *t may lie outside the span. */
+/* Finds the root in a ring of any slope, where a ray meets the ring's cone. Returns 0 if there is none.
+ * standing: 1 if the packet stands on the ring. *t may lie outside the span. */
 CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, real *t,
                          real *half_root_gap)
 {
@@ -324,8 +325,8 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     return 1;
 }
 
-/* Finds the crossing of a ray parallel to the axis; 0: there is none before t_max. The ray stays at one
- * radius, so its height is linear in t. */
+/* Finds the crossing of a ray parallel to the axis; 0: there is none before t_max. A packet that stands on
+ * the surface crosses nothing. The ray stays at one radius, so its height is linear in t. */
 CML_FN int cml_cone_hit_vertical(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing,
                                  real t_max, real *t)
 {

@@ -40,7 +40,7 @@ CML_FN void cml_add_local(__local cml_u64 *cell, cml_u64 amount)
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 #endif
 
-/* Adds to a cell in global memory. */
+/* Adds an amount to a cell of a tally in global memory, which all groups share. */
 CML_FN void cml_add_global(__global cml_u64 *cell, cml_u64 amount)
 {
 #ifdef CML_TWO_WORDS

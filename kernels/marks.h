@@ -70,7 +70,8 @@ CML_FN int cml_marks_score_more(const struct cml_deposits *to)
     return to->phi_xyz || to->phi_rzt;
 }
 
-/* Scores a mark of weight w at p into voxels and bins of time. path: optical path up to p. */
+/* Scores a mark of weight w at p into the voxels, and into the bins of r, z and time, as far as they are
+ * wanted. path: optical path up to p. */
 CML_FN void cml_mark_more(const struct cml_setup *setup, const struct cml_deposits *to, cml_u32 index,
                           struct cml_vec p, real bins, real path, cml_u64 w)
 {

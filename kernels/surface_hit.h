@@ -89,8 +89,9 @@ CML_FN int cml_is_known_path(const struct cml_known_path *known, int boundary, s
            t_max > known->least && (t_max < known->most || t_max > known->from);
 }
 
-/* Asks a mesh for the first crossing of a path (struct cml_mesh_crossing); 0: there is none. *near_facet:
- * the crossing's ends_near_facet. */
+/* Asks a mesh for the first crossing of a path (struct cml_mesh_crossing); 0: there is none. on_primitive:
+ * the facet that the packet stands on; undeflected: it came through this facet undeflected. *near_facet: the
+ * crossing's ends_near_facet. */
 CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
                               real side, real t_max, int on_primitive, int undeflected, struct cml_hit *hit,
                               int *near_facet)

@@ -49,7 +49,8 @@ static double deflection_of(const struct source *source, double share, double lo
     return high;
 }
 
-/* Returns the mean deflection over a cell, by Gauss and Legendre's rule with three nodes. */
+/* Returns the mean deflection over a cell, by Gauss and Legendre's rule with three nodes. low, high: bracket
+ * of the cell's deflections. */
 static double mean_of(const struct source *source, int cell, double low, double high)
 {
     static const double node[] = {0.11270166537925831, 0.5, 0.88729833462074169},

@@ -84,7 +84,7 @@ static void find_cells(const struct level *level, const struct rectangle *own, i
     *last = (int)fmin(most, floor((own->high[axis] - level->all.low[axis]) * per_cell + 0.01));
 }
 
-/* True if the ring itself reaches into a cell, and not only its hole. */
+/* True if the ring of a detector itself reaches into cell (ix, iy), and not only its hole. */
 static bool ring_reaches(const struct level *level, const struct cml_detector_def *def, int ix, int iy)
 {
     const int at[2] = {ix, iy};

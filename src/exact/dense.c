@@ -85,7 +85,8 @@ static void factorise(const struct cml_dense_kind *kind, double *a)
     }
 }
 
-/* Replaces the matrix b by b a^-1. A row of b that is not full has only its diagonal element. */
+/* Replaces the matrix b by b a^-1, which destroys a. b has `more` rows more than a. A row of b that is not
+ * full has only its diagonal element, so it is divided by that of a. */
 void cml_dense_divide(const struct cml_dense_kind *kind, int more, double *a, double *b)
 {
     const int n = kind->n;

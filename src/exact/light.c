@@ -149,7 +149,7 @@ bool cml_exact_knows(const struct cml_scene *scene, double top)
 }
 
 /* Collects the light of all beams by direction: parallel beams as rays, steepest first; diffuse light as one
- * share; cones and tables as samples of many directions. */
+ * share; cones and tables as samples of many directions. top: beams must start above this depth, cm. */
 cml_status cml_exact_light_create(const struct cml_scene *scene, double top, struct cml_exact_light *light,
                                   struct cml_error *err)
 {

@@ -218,8 +218,8 @@ static void find_sample(const struct cml_boundary *boundary, double z, double at
     at[1] = tile->y0 + (double)(i / nx) * tile->dy;
 }
 
-/* Finds the place where a tile and a plane, or two tiles, come closest. Returns false for other pairs, of
- * which only the ranges of depth can be compared. */
+/* Finds the place where a tile and a plane, or two tiles, come closest: it goes to at[]. Returns false for
+ * other pairs, of which only the ranges of depth can be compared. */
 static bool find_closest(const struct shape *upper, const struct shape *lower, double *gap, double at[3])
 {
     if (upper->is_tile && lower->is_tile)

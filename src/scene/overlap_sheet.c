@@ -67,7 +67,7 @@ static void corners(const struct cml_sheet *sheet, uint32_t i, const double *v[3
     for (int k = 0; k < 3; k++) v[k] = sheet->vertex[sheet->mesh->triangle[i][k]];
 }
 
-/* Keeps the stronger of two contacts: crossing counts more than touching. */
+/* Keeps the stronger of two contacts, and its place `at`: crossing counts more than touching. */
 static void keep_stronger(struct cml_sheet_overlap *overlap, enum cml_contact contact, const double at[3],
                           uint32_t i, uint32_t j)
 {
@@ -151,8 +151,8 @@ static enum cml_contact plane_contact(const struct cml_sheet *sheet, const struc
     return found;
 }
 
-/* Finds whether a triangle lies wholly in its own outer plane, outside the border. All its corners may lie on
- * the border, so that plane_contact does not see it. */
+/* Finds whether a triangle lies wholly in its own outer plane, outside the border; at: its middle. All its
+ * corners may lie on the border, so that plane_contact does not see it. */
 static enum cml_contact flat_contact(const struct cml_sheet *sheet, uint32_t i, double at[3])
 {
     const double *v[3];

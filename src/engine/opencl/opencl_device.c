@@ -208,8 +208,8 @@ static cml_status parse_selection(const char *wanted, int devices, int *numbers,
     return CML_OK;
 }
 
-/* Chooses the device for a run without --device, as cml_opencl_default does; the first one if memory is
- * short. */
+/* Returns the number of the device for a run without --device, as cml_opencl_default does; the first one if
+ * memory is short. local_rank: number of this rank among those of the machine. */
 static int choose_default(const struct cml_opencl_device *all, int count, int local_rank)
 {
     struct cml_opencl_info *infos = calloc((size_t)count, sizeof *infos);

@@ -42,7 +42,8 @@ static cml_status make_solid(const struct cml_scene *scene, int k, struct cml_sh
     return cml_sheet_create(&body->mesh, 0, sheet, err);
 }
 
-/* Refuses two bodies that touch or overlap. The message is about the line that comes later in the file. */
+/* Refuses two bodies that touch or overlap at the place `at`. The message is about the line that comes later
+ * in the file. */
 static cml_status fail_pair(const struct cml_scene *scene, const struct solid *a, const struct solid *b,
                             enum cml_convex_order order, const double at[3], struct cml_error *err)
 {
@@ -78,8 +79,8 @@ static void compare_with_facet(void *context, uint32_t t)
     facets->inside += order == CML_CONVEX_FIRST_INSIDE;
 }
 
-/* Tells how a sphere or cylinder lies to a mesh. If no triangle meets its surface, either all triangles lie
- * inside it, or none does and it lies wholly on one side of the mesh. */
+/* Tells how a sphere or cylinder lies to a mesh; at: a common point, if they meet. If no triangle meets its
+ * surface, either all triangles lie inside it, or none does and it lies wholly on one side of the mesh. */
 static enum cml_convex_order compare_with_mesh(const struct cml_scene_body *body,
                                                const struct cml_sheet *sheet, double at[3])
 {
@@ -126,8 +127,9 @@ static enum cml_convex_order compare_meshes(const struct solid *a, const struct 
     return of_b == b->sheet->mesh->num_parts && of_a == 0 ? CML_CONVEX_SECOND_INSIDE : CML_CONVEX_OVERLAP;
 }
 
-/* Says how two bodies lie to each other: apart, one inside the other, or meeting. For each pair of forms
- * another function decides. The order is turned round if the arguments had to change places. */
+/* Says how two bodies lie to each other: apart, one inside the other, or meeting; at: a common point, if
+ * they meet. For each pair of forms another function decides. The order is turned round if the arguments had
+ * to change places. */
 static enum cml_convex_order compare_solids(const struct solid *a, const struct solid *b, double at[3])
 {
     if (a->sheet && b->sheet) return compare_meshes(a, b, at);

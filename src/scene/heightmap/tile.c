@@ -211,8 +211,8 @@ static double depth_at_middle(const struct cml_heightmap *tile, double z, int64_
     return z - (cml_tile_height(tile, i + one, j) + cml_tile_height(tile, i + 1 - one, j + 1)) / 2;
 }
 
-/* Keeps the smallest gap between two boundaries found so far, and its place. upper, lower: depths of the two
- * boundaries at (x, y), cm. */
+/* Keeps the smallest gap between two boundaries found so far, and its place in at[]. upper, lower: depths of
+ * the two boundaries at (x, y), cm. */
 static void keep_closest(double upper, double lower, double x, double y, double *gap, double at[3])
 {
     if (!(lower - upper < *gap)) return;

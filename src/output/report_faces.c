@@ -50,7 +50,8 @@ static size_t segments_of(size_t rings)
     return rings < 50000 ? 64 : 8;
 }
 
-/* Makes the faces of a heightfield: ring i lies between points i and i + 1, and becomes n quadrangles. */
+/* Makes the faces by which a picture (.vtp) shows a radial heightfield: ring i lies between points i and i +
+ * 1 of the profile, and becomes n quadrangles around the axis. */
 static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces *faces,
                              struct cml_error *err)
 {

@@ -66,7 +66,8 @@ static bool cut_comment(char *line)
     return good;
 }
 
-/* True if a line holds only numbers and a comment, or the name of the next section. */
+/* True if a line of an .mco holds only numbers and a comment, which shows that it is undamaged, or the name
+ * of the next section. Counts the numbers of the sections that must be complete. */
 static bool is_sound(struct reader *r, char *line, bool may_be_key)
 {
     double number;

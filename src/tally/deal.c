@@ -100,8 +100,8 @@ cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end, s
     return CML_OK;
 }
 
-/* True if a photon belongs to the current round or an earlier one. The upper bits of its number name the
- * beam, the rest count the beam's own photons. */
+/* True if a photon belongs to the current round of the run or an earlier one, so that it has been or will be
+ * flown. The upper bits of its number name the beam, the rest count the beam's own photons. */
 bool cml_deal_has(const struct cml_deal *deal, uint64_t photon)
 {
     const uint64_t beam = photon >> CML_SOURCE_SHIFT, own = photon - (beam << CML_SOURCE_SHIFT);

@@ -192,9 +192,9 @@ CML_FN void cml_place_on_body(const CML_GLOBAL struct cml_body *body, const stru
     hit->point = cml_along(cml_along(body->centre, along, body->axis), 1, hit->off);
 }
 
-/* True if a ray from p passes the box of a node before t_max. per_u: inverse of the direction, by component.
- * Boxes are larger than their bodies by more than rounding. A quotient that is not a number does not shorten
- * the ray. */
+/* True if a ray from p passes the box of a node before t_max: it enters the slabs of all three axes before
+ * it leaves one of them. per_u: inverse of the direction, by component. Boxes are larger than their bodies
+ * by more than rounding. A quotient that is not a number (0 times infinity) does not shorten the ray. */
 CML_FN int cml_passes_box(const CML_GLOBAL struct cml_body_node *node, struct cml_vec p, struct cml_vec per_u,
                           real t_max)
 {

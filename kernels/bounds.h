@@ -210,6 +210,7 @@ CML_FN int cml_path_is_safe(const struct cml_safe_cells *cells, struct cml_vec p
 }
 #endif
 
+/* True if a boundary is a plane; always true in kernels compiled for planes only. */
 CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
 {
     return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;

@@ -42,6 +42,7 @@ struct cml_ring {
     real r, z, slope;
 };
 
+/* Returns ring i of a boundary made of cones: radius, depth, and slope dz/dr up to the next ring. */
 CML_FN struct cml_ring cml_ring_at(struct cml_rings rings, int i)
 {
     const struct cml_ring ring = {rings.r[i], rings.z[i], rings.slope[i]};
@@ -164,7 +165,8 @@ struct cml_cone_quadratic {
     real w, A, B, D; /* A, B and discriminant D = B^2 - A C of the quadratic */
 };
 
-/* Returns the quadratic that a ray and the cone of a ring make. */
+/* Returns the coefficients of the quadratic equation for the distances at which a ray meets the cone of a
+ * ring. */
 CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_ring ring, const struct cml_cone_ray *ray)
 {
     const real m = ring.slope, mm = m * m, w = ray->p.z - ring.z + m * ring.r;
@@ -214,7 +216,8 @@ CML_FN real cml_ring_sloped_root(struct cml_ring ring, const struct cml_cone_ray
     return (larger ? q : C) / (larger ? c.A : q_other);
 }
 
-/* Finds the root in a ring of any slope. Returns 0 if there is none. *t may lie outside the span. */
+/* Finds the root in a ring of any slope, where a ray meets the ring's cone. Returns 0 if there is none.
+ * standing: 1 if the packet stands on the ring. *t may lie outside the span. */
 CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, real *t,
                          real *half_root_gap)
 {
@@ -322,8 +325,8 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     return 1;
 }
 
-/* Finds the crossing of a ray parallel to the axis. The ray stays at one radius, so its height is linear in
- * t. */
+/* Finds the crossing of a ray parallel to the axis; 0: there is none before t_max. A packet that stands on
+ * the surface crosses nothing. The ray stays at one radius, so its height is linear in t. */
 CML_FN int cml_cone_hit_vertical(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing,
                                  real t_max, real *t)
 {

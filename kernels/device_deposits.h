@@ -40,7 +40,7 @@ CML_FN void cml_add_local(__local cml_u64 *cell, cml_u64 amount)
 #pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 #endif
 
-/* Adds to a cell in global memory. */
+/* Adds an amount to a cell of a tally in global memory, which all groups share. */
 CML_FN void cml_add_global(__global cml_u64 *cell, cml_u64 amount)
 {
 #ifdef CML_TWO_WORDS
@@ -97,6 +97,7 @@ CML_FN int cml_has_volume(const struct cml_deposits *to)
     return 0;
 }
 
+/* Says that devices score no facets. */
 CML_FN int cml_has_facets(const struct cml_deposits *to)
 {
     (void)to;
@@ -108,11 +109,13 @@ CML_FN int cml_has_facets(const struct cml_deposits *to)
 #define cml_mark_interaction(world, to, packet, from, path, t) ((void)(from), (void)(path), (void)(t))
 #define cml_mark_last(world, to, packet) ((void)0)
 
+/* Does nothing: devices have no voxels. */
 CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 index, cml_u64 voxel, cml_u32 dw)
 {
     (void)to, (void)index, (void)voxel, (void)dw;
 }
 
+/* Does nothing: devices score no facets. */
 CML_FN void cml_add_to_facet(const struct cml_deposits *to, cml_u64 index, int facet,
                              enum cml_facet_score score, cml_u32 w)
 {

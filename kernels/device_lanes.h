@@ -120,8 +120,8 @@ CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml
     return may_hit;
 }
 
-/* Draws and flies all lanes. If no lane draws from the lattice, cml_device_fly_random does it, because
- * cml_device_fly_even takes twice as many random numbers. */
+/* Draws and flies all lanes; returns the mask of those that may hit a boundary. If no lane draws from the
+ * lattice, cml_device_fly_random does it, because cml_device_fly_even takes twice as many random numbers. */
 CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 even = 0;

@@ -43,16 +43,19 @@ CML_FN void cml_add_shared(cml_u64 *cell, cml_u64 amount)
     __atomic_fetch_add(cell, amount, __ATOMIC_RELAXED);
 }
 
+/* True if absorption is scored in voxels. */
 CML_FN int cml_has_volume(const struct cml_deposits *to)
 {
     return to->A_xyz != 0;
 }
 
+/* True if light is scored on facets of boundaries. */
 CML_FN int cml_has_facets(const struct cml_deposits *to)
 {
     return to->facets != 0;
 }
 
+/* True if fluence is scored. */
 CML_FN int cml_has_marks(const struct cml_deposits *to)
 {
     return to->phi != 0;

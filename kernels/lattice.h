@@ -100,7 +100,8 @@ CML_FN struct cml_block cml_lattice_block(cml_u32 reversed, cml_u32 e, struct cm
 
 /* ---- draws of a packet: from the lattice, as long as the stream has one ---- */
 
-/* Returns the random words of a packet's interaction number `event`. */
+/* Returns the random words of interaction number `event` of packet `photon`: from the lattice for the first
+ * ones, as far as sampling is even. */
 CML_FN struct cml_block cml_draw_interaction(struct cml_stream stream, cml_u64 photon, cml_u32 event)
 {
     const struct cml_block random = cml_draw(stream, photon, CML_PURPOSE_INTERACTION, event);

@@ -70,7 +70,8 @@ CML_FN int cml_marks_score_more(const struct cml_deposits *to)
     return to->phi_xyz || to->phi_rzt;
 }
 
-/* Scores a mark of weight w at p into voxels and bins of time. path: optical path up to p. */
+/* Scores a mark of weight w at p into the voxels, and into the bins of r, z and time, as far as they are
+ * wanted. path: optical path up to p. */
 CML_FN void cml_mark_more(const struct cml_setup *setup, const struct cml_deposits *to, cml_u32 index,
                           struct cml_vec p, real bins, real path, cml_u64 w)
 {
@@ -119,9 +120,10 @@ CML_FN int64_t cml_first_mark(double mark, double spacing, double at)
     return number > 0 ? (int64_t)ceil(number < most ? number : most) : 0;
 }
 
-/* Scores the marks of a long stretch of length t: only those within the depths of the grid. If they are many,
- * only every 2^k-th scores, but with the weight of 2^k; a random word says which. Returns the distance from
- * the stretch's end to the next mark. */
+/* Scores the marks (points at even distances along a path, at which fluence is scored) of a long stretch of
+ * length t, as far as they lie within the depths of the grid. If the marks are many, only every 2^k-th
+ * scores, with 2^k times the weight; a random word says which. Returns the distance from the stretch's end
+ * to the next mark. */
 CML_RARE real cml_mark_far(const struct cml_world *world, const struct cml_deposits *to,
                            const struct cml_stretch *s, real mark, real t)
 {
@@ -188,8 +190,8 @@ CML_FN void cml_mark_path(const struct cml_world *world, const struct cml_deposi
     packet->mark = cml_mark_stretch(world, to, &s, packet->mark, t);
 }
 
-/* Scores an interaction. In a dense medium the interaction itself scores; in any other medium the marks of
- * the flight to it score. The packet has flown t (cm) from `from`, where its optical path was `path`, and
+/* Scores fluence at an interaction: in a dense medium by the interaction itself, in any other medium by the
+ * marks on the flight to it. The packet has flown t (cm) from `from`, where its optical path was `path`, and
  * still has all its weight. */
 CML_FN void cml_mark_interaction(const struct cml_world *world, const struct cml_deposits *to,
                                  struct cml_packet *packet, struct cml_vec from, real path, real t)
@@ -217,8 +219,9 @@ CML_FN void cml_mark_last(const struct cml_world *world, const struct cml_deposi
     (void)cml_mark_far(world, to, &s, packet->mark, CML_INFINITY);
 }
 
-/* Scores the light above a packet that starts below planes (P1): above the planes all light that comes down
- * to them and the specular part that goes up; in a clear first layer the light that goes to and fro. */
+/* Scores the fluence above a packet that starts below plane boundaries (P1), because the flight from the
+ * beam to the start is not simulated. Above the planes, all light comes down and the specular part goes up;
+ * in a clear first layer, light goes to and fro between its planes. */
 CML_FN void cml_mark_above(const struct cml_world *world, const struct cml_deposits *to,
                            const struct cml_packet *packet, real mark)
 {
@@ -235,8 +238,8 @@ CML_FN void cml_mark_above(const struct cml_world *world, const struct cml_depos
     (void)cml_mark_far(world, to, &s, mark, s.p.z);
 }
 
-/* Places a packet's first mark at its launch, and scores the marks of the line along which the packet has
- * come. */
+/* Draws the place of a packet's first mark (a place on its path where fluence is scored), at random within
+ * one spacing. Then scores the fluence along the line on which the packet has come to its start. */
 CML_FN void cml_mark_first(const struct cml_world *world, const struct cml_deposits *to,
                            struct cml_packet *packet)
 {

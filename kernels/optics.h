@@ -178,7 +178,7 @@ CML_FN struct cml_vec cml_scatter(struct cml_vec u, real g, cml_u32 polar_word, 
 }
 
 /* Returns the direction after a scattering (P4) in a medium with a phase table. drawn: result of
- * cml_phase_one_minus. */
+ * cml_phase_one_minus; azimuth_word: random word for the azimuth. */
 CML_FN struct cml_vec cml_scatter_drawn(struct cml_vec u, real g, real drawn, cml_u32 azimuth_word)
 {
     real ct, st, cp, sp;

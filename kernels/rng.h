@@ -82,7 +82,9 @@ CML_FN cml_u32 cml_rotate_left(cml_u32 x, int n)
         x3 += (d) + (s);                                                                                     \
     } while (0)
 
-/* Returns Threefry4x32-12 of the counter (c0, c1, c2, c3) under the stream's key. */
+/* Returns four random words: the block cipher Threefry4x32 with 12 rounds, applied to the counter (c0, c1,
+ * c2, c3) under the stream's key [Salmon, Moraes, Dror, Shaw 2011]. Equal counters give equal words, so
+ * every device and thread draws the same numbers for a packet. The numbers are the cipher's rotations. */
 CML_FN struct cml_block cml_threefry(struct cml_stream stream, cml_u32 c0, cml_u32 c1, cml_u32 c2, cml_u32 c3)
 {
     const cml_u32 k0 = stream.key[0], k1 = stream.key[1], k2 = stream.key[2], k3 = stream.key[3];

@@ -292,8 +292,8 @@ struct cml_rough_walk {
     int steps;        /* number of facets that the packet has met */
 };
 
-/* Step 1: flies in direction v. Returns 1 if the packet leaves; else it is at the next facet, whose depth is
- * *e. */
+/* Flies a walk in direction v to the next facet of a rough boundary (step 1 of P20). Returns 1 if the walk
+ * leaves the boundary; otherwise *e becomes the depth of the facet. word: decides how far. */
 CML_ROUGH_FN int cml_rough_fly(struct cml_rough rough, struct cml_vec v, real *e, cml_u32 word)
 {
     const real flown = -cml_log(cml_uniform_inside(word)), lambda = cml_rough_lambda(rough, v), from = *e;
@@ -303,8 +303,9 @@ CML_ROUGH_FN int cml_rough_fly(struct cml_rough rough, struct cml_vec v, real *e
     return leaves;
 }
 
-/* Step 3 at a facet with the unit normal m: returns the walk after reflection, by Fresnel's share R, or
- * refraction. */
+/* Turns a walk at a facet of a rough boundary with the unit normal m: reflection if the random word lies
+ * below Fresnel's reflectance R, otherwise refraction, after which the walk goes on on the other side. n1:
+ * index on the side of the walk; n2: index beyond. */
 CML_ROUGH_FN struct cml_rough_walk cml_rough_turn(struct cml_rough_walk walk, struct cml_vec m, real n1,
                                                   real n2, cml_u32 word)
 {
@@ -322,8 +323,7 @@ CML_ROUGH_FN struct cml_rough_walk cml_rough_turn(struct cml_rough_walk walk, st
     return walk;
 }
 
-/* Step 3 on a backing: reflects the packet at the facet, and returns the share of the weight that is
- * reflected. */
+/* Reflects a walk at a facet of a rough backing, and returns the share of the weight that is reflected. */
 CML_FN real cml_rough_mirror(struct cml_rough_walk *walk, struct cml_vec m, const struct cml_backing *backing)
 {
     const real cosine = -cml_dot(walk->v, m), ci = cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
@@ -332,13 +332,13 @@ CML_FN real cml_rough_mirror(struct cml_rough_walk *walk, struct cml_vec m, cons
     return backing->kept < 1 ? 1 - backing->kept : (real)0;
 }
 
-/* Returns the random words of step `step` at a packet's boundary event `crossing`. event: number of the block
- * among all that the packet has drawn at rough boundaries. The first reflections of a packet's life come from
- * the lattice. */
+/* Returns the random words for facet number `step` that a packet meets in its boundary event `crossing`.
+ * block_number: counts the blocks of random words that the packet has drawn at rough boundaries. The first
+ * facet of the packet's first events takes its word from the lattice (P13). */
 CML_FN struct cml_block cml_draw_rough(struct cml_stream stream, cml_u64 photon, cml_u32 crossing,
-                                       cml_u32 event, int step)
+                                       cml_u32 block_number, int step)
 {
-    struct cml_block block = cml_draw(stream, photon, CML_PURPOSE_ROUGH, event);
+    struct cml_block block = cml_draw(stream, photon, CML_PURPOSE_ROUGH, block_number);
     if (step == 0 && crossing < CML_LATTICE_REFLECTIONS && stream.lattice)
         block.w[3] = cml_lattice_draw(stream, photon, cml_lattice_reflection(crossing), block.w[3]);
     return block;

@@ -45,8 +45,9 @@ CML_FN real cml_word_share(cml_u32 word, cml_u32 first, cml_u32 next)
     return ((real)(word - first) + (real)0.5) / (count ? (real)count : (real)4294967296.0);
 }
 
-/* Returns a position in pixels: the row or column of an image, plus the place within it. words: the number of
- * rows or columns in use, then the lowest word of each. *which: its number among those in use. */
+/* Draws a row or a column of a beam's image from a random word: returns the position in pixels, with the
+ * place within the pixel. words: the number of rows or columns in use, then the lowest word of each. *which:
+ * the number drawn. */
 CML_FN real cml_image_place(const CML_GLOBAL cml_u32 *words, cml_u32 word, int *which)
 {
     const int used = (int)words[0], k = cml_word_part(words + 1, used, word);
@@ -138,7 +139,8 @@ CML_FN int cml_is_inside(const struct cml_world *world, int body, struct cml_vec
     return (along > 0) & (along < shape->length) & (cml_dot(across, across) < shape->radius * shape->radius);
 }
 
-/* Returns the body in a medium that p lies in; -1 if none. */
+/* Returns the body in which p lies among those directly inside a medium; -1 if there is none. Searches the
+ * medium's tree of boxes. */
 CML_FN int cml_body_at(const struct cml_world *world, int medium, struct cml_vec p)
 {
     const int end = world->media[medium].end_node;
@@ -270,6 +272,10 @@ CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct c
     packet->p.z = source->start;
 }
 
+/* Least cosine between a direction and an axis: a direction closer to square to the axis counts as having
+ * this cosine. 2^-20. */
+#define CML_NEARLY_LEVEL ((real)9.5367431640625e-7)
+
 /* Starts a packet of a source far outside of the scene: moves it along its line onto the level `start` (P1).
  *
  *         source, far away             x, y: place in the source's shape
@@ -279,7 +285,6 @@ CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct c
  *
  * A direction within CML_NEARLY_LEVEL of square to the axis meets the level further off than anything is. The
  * distance from the source counts as flown. */
-#define CML_NEARLY_LEVEL ((real)9.5367431640625e-7)
 CML_FN void cml_place_far(const struct cml_world *world, const CML_GLOBAL struct cml_source *source, real x,
                           real y, struct cml_vec turn, CML_PACKET struct cml_packet *packet)
 {

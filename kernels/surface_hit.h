@@ -28,8 +28,8 @@ CML_FN real cml_err_depth(real z, real step)
     return 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
 }
 
-/* Finds the crossing with the plane z = 0 of its frame. side: +1 the packet is below, -1 above. A packet that
- * rounding has put beyond the plane crosses at once if it heads outwards. */
+/* Finds the crossing with the plane z = 0 of its frame; 0: there is none. side: +1 the packet is below, -1
+ * above. A packet that rounding has put beyond the plane crosses at once if it heads outwards. */
 CML_FN int cml_intersect_plane(struct cml_vec p, struct cml_vec u, real side, real t_max, struct cml_hit *hit)
 {
     if (!(side * u.z < 0)) return 0;
@@ -89,8 +89,9 @@ CML_FN int cml_is_known_path(const struct cml_known_path *known, int boundary, s
            t_max > known->least && (t_max < known->most || t_max > known->from);
 }
 
-/* Asks a mesh for the first crossing of a path (struct cml_mesh_crossing). *near_facet: the crossing's
- * ends_near_facet. */
+/* Asks a mesh for the first crossing of a path (struct cml_mesh_crossing); 0: there is none. on_primitive:
+ * the facet that the packet stands on; undeflected: it came through this facet undeflected. *near_facet: the
+ * crossing's ends_near_facet. */
 CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
                               real side, real t_max, int on_primitive, int undeflected, struct cml_hit *hit,
                               int *near_facet)
@@ -218,8 +219,9 @@ CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct c
     return 1;
 }
 
-/* Finds the packet's first crossing with the surface of a body before t_max. A packet inside a body may
- * meet the surface of this body, and every packet those of the bodies that lie in its medium. */
+/* Finds the packet's first crossing with the surface of a body before t_max; 0: there is none. A packet
+ * inside a body may meet the surface of this body, and every packet those of the bodies that lie in its
+ * medium. */
 CML_FN int cml_nearest_body(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t_max,
                             int afar, struct cml_hit *hit)
 {
@@ -238,8 +240,8 @@ CML_FN int cml_nearest_body(const struct cml_world *world, CML_PACKET struct cml
     return found;
 }
 
-/* Finds the packet's first crossing with a boundary of its medium. intervals: the parts of the path to
- * search. A packet that is lost in the search (P9) has ended. */
+/* Finds the packet's first crossing with a boundary of its medium; 0: there is none. intervals: the parts of
+ * the path to search. A packet that is lost in the search (P9) has ended. */
 CML_FN int cml_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                            struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {

@@ -64,8 +64,8 @@ CML_FN void cml_count_momentum(const struct cml_world *world, CML_PACKET struct 
 }
 
 #ifndef __OPENCL_VERSION__
-/* Adds a finished visit of a medium to a trail (P13). low: largest depth of the visit, in the medium's
- * frame. */
+/* Adds a finished visit of a medium to a packet's trail, the record of its path (P13): path length,
+ * interactions, momentum transfer. low: largest depth of the visit, in the medium's frame. */
 CML_FN void cml_add_visit(const struct cml_world *world, struct cml_trail *trail, int medium, real here,
                           real low, real momentum, cml_u32 interactions)
 {

@@ -37,7 +37,8 @@ CML_FN void cml_score_fate(const struct cml_setup *setup, CML_PACKET const struc
     }
 }
 
-/* Adds a finished packet to the tallies. */
+/* Adds the end of a packet to the tallies: where it left, the balance of its weight, and the counts of its
+ * events. */
 CML_FN void cml_score(const struct cml_setup *setup, CML_PACKET const struct cml_packet *packet,
                       const struct cml_deposits *to)
 {
@@ -76,7 +77,7 @@ CML_FN int cml_device_take(__global struct cml_counters *counters, cml_u64 *inde
     return taken < counters->count;
 }
 
-/* Records the end of a packet. */
+/* Copies how a packet ended to memory that the host reads, for comparison packet by packet. */
 CML_FN void cml_device_write_fate(CML_PACKET const struct cml_packet *packet,
                                   __global struct cml_device_fate *fate)
 {
@@ -125,8 +126,8 @@ CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_
     f->lanes.flushed_w[i] = f->packets[i].w;
 }
 
-/* Loads the properties of the packet's medium into its lane, and the depths between which no boundary is
- * met. */
+/* Copies the optical properties of the packet's medium into its lane, and the depths between which a packet
+ * certainly meets no boundary. */
 CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
@@ -170,7 +171,8 @@ CML_FN void cml_device_store_count(struct cml_device_lanes *l, cml_u32 i,
     l->interactions[i] = packet->interactions;
 }
 
-/* Copies a packet into its lane. */
+/* Copies a packet's state into its lane, where the loops work on it, together with its medium's
+ * properties. */
 CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
@@ -184,7 +186,8 @@ CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_devic
     cml_device_load_medium(world, f, i);
 }
 
-/* Copies the lane's changes back into its packet. */
+/* Copies a lane's state back into its packet. A lane that has interacted since it left its last boundary is
+ * no longer on it. */
 CML_FN void cml_device_read_lane(struct cml_device_flight *f, cml_u32 i)
 {
     const struct cml_device_lanes *l = &f->lanes;
@@ -273,8 +276,8 @@ CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET stru
 }
 #endif
 
-/* Handles the packet's event within t (cm), the distance to its interaction: a boundary event or its end.
- * Returns 1 if it is to interact instead. */
+/* Handles what packet i meets within t (cm), the distance to its next interaction: a boundary, or the end of
+ * the packet. Returns 1 if it meets nothing and is to interact. */
 CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_deposits *to,
                                 struct cml_device_flight *f, cml_u32 i, real t)
 {
@@ -377,8 +380,9 @@ CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml
 }
 #endif
 
-/* Flies the events of one work-item in one call. stream: the world's stream in local memory (struct
- * cml_shared). */
+/* Flies the packets of one work-item for one call of the kernel: takes packets from global memory or starts
+ * new ones, makes up to call.steps steps with each, and stores the packets and their deposits. stream: a
+ * copy of the random stream in the work-group's fast local memory. */
 CML_FN void cml_device_work_item(struct cml_world *world, __local const struct cml_stream *stream,
                                  const struct cml_deposits *to, struct cml_kernel_call call,
                                  __global struct cml_packet *saved, __global struct cml_device_fate *fates)
@@ -419,8 +423,8 @@ struct cml_shared {
     struct cml_stream stream;
 };
 
-/* The kernel: flies the packets of a work-item for one call, and adds the group's local tallies to the global
- * ones. */
+/* The kernel that the host calls: each work-item flies its packets for one call, and the sums in the group's
+ * fast local memory are then added to the global ones. */
 __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void cml_transport(
     const struct cml_setup setup, const struct cml_local_parts parts, const struct cml_kernel_call call,
     __global const struct cml_medium *media, __global const struct cml_surface *surfaces,

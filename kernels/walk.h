@@ -120,8 +120,8 @@ CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml
     return part < w ? part : w;
 }
 
-/* Plays roulette (P8): with the chance w / weight the packet goes on with `weight`, else it ends. A random
- * word is below 2^32 w / weight with this chance, to one part in 2^32. */
+/* Plays roulette with a weight w below the rule's limit (P8): with the chance w / weight the packet goes on
+ * with `weight`, else it ends. A random word is below 2^32 w / weight with this chance. */
 CML_FN void cml_roulette(struct cml_roulette_rule rule, CML_PACKET struct cml_packet *packet)
 {
     const cml_u32 w = packet->w, weight = rule.weight ? rule.weight : 10u * w;
@@ -166,8 +166,8 @@ CML_FN int cml_enters_tail(const struct cml_tail *tail, int medium, real from, r
     return (medium == tail->medium) & (from < tail->z) & (z >= tail->z);
 }
 
-/* Scores the expected values of weight w that goes down through the tail's level at the cosine uz > 0
- * (P15). */
+/* Scores the expected values of weight w that goes down into the flat part of the scene at the cosine uz > 0
+ * (P15): what each layer below will absorb, and what is transmitted. */
 CML_FN void cml_score_tail(const struct cml_tail *tail, const struct cml_deposits *to, real uz, cml_u32 w)
 {
     const real square = uz * uz, light = (real)w * CML_TAIL_UNIT;
@@ -443,7 +443,8 @@ CML_FN void cml_count_bounce(const struct cml_world *world, CML_PACKET struct cm
         cml_lose_packet(packet, CML_LOST_STUCK);
 }
 
-/* Handles a packet that has reached a boundary: P5, P12 or P20, then P6. */
+/* Handles a packet that has reached a boundary: turns it (P5; P20 if rough; P12 at the backing), moves it to
+ * the hit, and takes it into the medium beyond if it goes through (P6). */
 CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                const struct cml_hit *hit)
 {
@@ -525,8 +526,7 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     }
 }
 
-/* Runs cml_boundary_event, and scores the event for fluence, facets and expected values if they are
- * wanted. */
+/* Handles a boundary event, and scores it for fluence, expected values and facets if they are wanted. */
 CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct cml_deposits *to,
                                      CML_PACKET struct cml_packet *packet, const struct cml_hit *hit)
 {
@@ -579,7 +579,7 @@ CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *t
         cml_leave_scene(world, to, packet);
 }
 
-/* Launches packet `index`, and scores its launch. */
+/* Launches packet `index`, and scores the light that its launch splits off. */
 CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
                            CML_PACKET struct cml_packet *packet)
 {

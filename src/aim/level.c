@@ -19,8 +19,8 @@ static void lower_floor(struct floor *floor, int layer, double depth)
     floor->depth = fmax(floor->depth, depth);
 }
 
-/* Finds the depth below which a scene is flat. Parallel light may start below a clear first layer (P1), so a
- * clear first layer lies above that depth. */
+/* Returns the depth below which a scene is flat, and the layer there. Parallel light may start below a clear
+ * first layer (P1), so a clear first layer lies above that depth. */
 static struct floor find_floor(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     struct floor floor = {1, surfaces->item[0].depth};

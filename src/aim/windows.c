@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Refuses a quantity that --aim cannot aim at. Only the first `length` letters of `aim` name it. */
 cml_status cml_aim_refuse(const struct cml_scene *scene, const char *aim, int length, const char *expected,
                           struct cml_error *err)
 {
@@ -80,6 +81,8 @@ static double depth_of(const struct cml_medium_def *media, int layers)
     return depth;
 }
 
+/* Makes the weight windows of --aim Tt: targets that guide packets to the light below the first `layers`
+ * layers. The importance at each depth comes from adding-doubling of the layers as planes. */
 cml_status cml_windows_below(const char *aim, const struct cml_scene *scene,
                              const struct cml_medium_def *media, int layers, struct cml_window_table *windows,
                              struct cml_error *err)

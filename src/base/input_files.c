@@ -92,6 +92,8 @@ cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t
     return cml_text_end(out, block, size, "the input files", err);
 }
 
+/* Rebuilds the list of input files from one block of bytes, as another rank has sent it. Each file is its
+ * path with a NUL, the number of bytes as a size_t, and the bytes. */
 cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *inputs, struct cml_error *err)
 {
     *inputs = (struct cml_inputs){0};
@@ -108,6 +110,7 @@ cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *
     return CML_OK;
 }
 
+/* Frees all recorded input files and leaves an empty list. */
 void cml_inputs_clear(struct cml_inputs *inputs)
 {
     for (size_t i = 0; i < inputs->count; i++) {

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Returns a JSON string of a file name. JSON allows UTF-8 only, so a name that is not UTF-8 gets each byte
+ * above 127 written as four letters like \xe4. */
 json_t *cml_json_name(const char *name)
 {
     json_t *string = json_string(name);
@@ -26,6 +28,7 @@ json_t *cml_json_real(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+/* Prints a JSON object on one line and frees it. NULL stands for an object that could not be allocated. */
 cml_status cml_json_print(FILE *stream, json_t *object, struct cml_error *err)
 {
     char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;

@@ -70,6 +70,7 @@ static void print(FILE *stream, const char *text, const char *as_they_are, bool 
     }
 }
 
+/* Prints a line with control characters escaped. */
 void cml_print_line(FILE *stream, const char *text)
 {
     print(stream, text, "", false);
@@ -115,6 +116,9 @@ bool cml_output_unread(void)
     return escaped.unread;
 }
 
+/* Replaces stdout by a stream that escapes control characters, so that names from files cannot steer a
+ * terminal. With `json`, escapes are written as in JSON. Terminals get each line at once, files get
+ * blocks. */
 cml_status cml_escape_output(bool json, struct cml_error *err)
 {
     const cookie_io_functions_t calls = {.write = write_escaped};

@@ -93,6 +93,8 @@ static bool is_device(int file)
     return fstat(file, &about) == 0 && (S_ISBLK(about.st_mode) || (S_ISCHR(about.st_mode) && !isatty(file)));
 }
 
+/* Reads a whole file into new memory; "-" is standard input. Refuses a device and a file above `most` bytes,
+ * so that a wrong name cannot fill the memory. */
 cml_status cml_text_read_file(const char *path, size_t most, char **data, size_t *size, struct cml_error *err)
 {
     *data = NULL;
@@ -188,7 +190,8 @@ char *cml_text_next(struct cml_text *text)
     return line;
 }
 
-/* Returns the next word of a text, and moves *cursor behind it. */
+/* Cuts the next word off a text: ends it with a NUL, moves *cursor behind it and returns it; NULL at the
+ * end. A word may be in quotation marks, which are taken off, or be key="value with blanks". */
 char *cml_text_word(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, blanks);
@@ -206,8 +209,8 @@ char *cml_text_word(char **cursor)
     return close ? word + 1 : word;
 }
 
-/* Parses a decimal number. The set of characters excludes hexadecimal numbers, nan and inf, which strtod
- * would accept. */
+/* Parses a decimal number; false: it is none. The set of characters excludes hexadecimal numbers, nan and
+ * inf, which strtod would accept. */
 bool cml_parse_double(const char *word, double *value)
 {
     if (word[strspn(word, "+-.0123456789eE")] != '\0') return false;
@@ -230,6 +233,8 @@ bool cml_parse_count(const char *word, uint64_t *value)
     return true;
 }
 
+/* Reads a whole number strictly: digits with a sign, nothing else. Returns false if the word is anything
+ * else or the number does not fit an int. */
 bool cml_parse_int(const char *word, int *value)
 {
     if (word[strspn(word, "+-0123456789")] != '\0') return false;
@@ -247,6 +252,7 @@ cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err)
     return *copy ? CML_OK : cml_fail_memory(err, (double)strlen(text), "a name");
 }
 
+/* Like vasprintf: prints into a new string *text. `what` names the text in the message if memory is short. */
 cml_status cml_text_format(char **text, const char *what, struct cml_error *err, const char *format, ...)
 {
     va_list values;
@@ -258,6 +264,8 @@ cml_status cml_text_format(char **text, const char *what, struct cml_error *err,
     return cml_fail_memory(err, 0, what);
 }
 
+/* Closes a stream of open_memstream. On any failure, frees the text, sets it to NULL and reports a lack of
+ * memory. `out` may be NULL if the stream could not be opened. */
 cml_status cml_text_end(FILE *out, char **text, const size_t *size, const char *what, struct cml_error *err)
 {
     const bool failed = out && ferror(out);
@@ -267,6 +275,7 @@ cml_status cml_text_end(FILE *out, char **text, const size_t *size, const char *
     return cml_fail_memory(err, (double)*size, what);
 }
 
+/* Prints a text of several lines, each behind a prefix such as "# ". */
 void cml_text_print(FILE *out, const char *prefix, const char *text)
 {
     while (text && *text) {
@@ -316,6 +325,9 @@ static size_t distance(const char *a, size_t a_length, const char *b, size_t b_l
     return row[b_length];
 }
 
+/* Considers a known name as the one that the user meant by a mistyped word. Keeps the name with the fewest
+ * changed letters, and counts the names that begin with the word. Words above LONGEST letters are not
+ * guessed. */
 void cml_guess_offer(struct cml_guess *guess, const char *name)
 {
     const size_t length = strlen(name);
@@ -330,6 +342,8 @@ void cml_guess_offer(struct cml_guess *guess, const char *name)
     guess->distance = d;
 }
 
+/* Returns the name that the user probably meant, or NULL: the only name that begins with the word, or the
+ * nearest one if at most two letters differ. */
 const char *cml_guess_best(const struct cml_guess *guess)
 {
     if (guess->completions == 1) return guess->complete;

@@ -117,6 +117,8 @@ static void print_body_box(const struct cml_scene_body *body, int k)
            upper[1], lower[2], upper[2]);
 }
 
+/* Prints a line about each boundary or body that is a mesh or a tile; of bodies only the first
+ * MOST_BODIES. */
 static void print_meshes(const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) {
@@ -153,7 +155,8 @@ static void print_means(const struct cml_scene *scene, const struct cml_mean_sha
     }
 }
 
-/* Prints the map, volume and other results that the scene asks for. */
+/* Prints which optional results the scene asks for, with their sizes: map, facets, fluence, directions,
+ * saved packets, time gates. */
 static void print_map(const struct cml_scene *scene)
 {
     const struct cml_map_def *map = &scene->map;
@@ -180,7 +183,8 @@ static void print_map(const struct cml_scene *scene)
                scene->time.radii ? ", by radius, too" : "");
 }
 
-/* Prints the whole scene for people. */
+/* Prints what `check` has understood of a scene: media, grid, requests, shapes with accuracy and cost, and
+ * memory. starts: the medium in which each beam starts; mean: mean heights and thicknesses. */
 static void print_scene(const struct cml_options *options, const struct cml_scene *scene,
                         const struct cml_surface_set *surfaces, const int *starts,
                         const struct cml_mean_shapes *mean)
@@ -219,8 +223,9 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
     return status == CML_E_NUMERIC || scene->num_bodies > 0 || !cml_exact_knows(scene, 0) ? CML_OK : status;
 }
 
-/* Prints the scene, or its JSON object. The memory is measured first, before the totals of planes take some.
- */
+/* Prints what `check` found out about a scene, for people or as JSON, with the exact totals of its flat twin
+ * (planes in place of shapes) if adding-doubling can compute them. Memory is measured first, before those
+ * totals take some. */
 static cml_status show(const struct cml_options *options, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, const int *starts,
                        const struct cml_mean_shapes *mean, const struct cml_sweep_size *sweep,
@@ -257,6 +262,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     return show(flown, scene, &surfaces, starts, &mean, sweep, err);
 }
 
+/* Runs `check`: reads scenes and sweeps as a run would, reports what was understood, and flies nothing. */
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;

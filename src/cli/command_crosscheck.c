@@ -18,7 +18,7 @@ struct dump {
     const struct cml_check_setup *setup;
 };
 
-/* A cml_check_function: writes a line for a packet whose fates differ. */
+/* Writes a line for a packet that ends differently in two of the compared runs, for --dump. */
 static void dump_packet(void *context, uint64_t photon, const struct cml_fate_record *records)
 {
     const struct dump *dump = context;
@@ -42,6 +42,8 @@ static void dump_head(const struct dump *dump)
     fputc('\n', dump->stream);
 }
 
+/* Prints the totals of one of the compared runs. residue: what the energy balance of its packets leaves
+ * over. */
 static void print_side(const struct cml_check_side *side, const struct cml_result *result)
 {
     printf("  %-12s Rsp %.6f  Rd %.6f +- %.6f  A %.6f +- %.6f  Tt %.6f +- %.6f  lost %llu, residue %.17g\n",
@@ -52,7 +54,8 @@ static void print_side(const struct cml_check_side *side, const struct cml_resul
            (unsigned long long)cml_result_lost(result), cml_result_imbalance(result));
 }
 
-/* Prints the comparison of side s with the first side, for people. */
+/* Prints how run s differs from the first run of the cross-check: packets with other ends, differences of
+ * totals, and the bin of all profiles that differs most. z: a difference in standard errors. */
 static void print_pair(const struct cml_check_setup *setup, int s, const struct cml_check_pair *pair)
 {
     const uint64_t differ = setup->photons - pair->equal;
@@ -73,6 +76,7 @@ static void print_pair(const struct cml_check_setup *setup, int s, const struct 
         printf("  worst bin: none, all %d values are equal\n", pair->values);
 }
 
+/* Prints each run's totals, then how each run compares with the first. */
 static void print_all(const struct cml_check_setup *setup, const struct cml_check_result *result,
                       double tolerance)
 {
@@ -120,7 +124,8 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
     return side;
 }
 
-/* Prints the comparison of all sides as one JSON object. */
+/* Prints the result of a cross-check as one JSON object with one element for each way of flying the
+ * photons. */
 static cml_status print_json(const struct cml_check_setup *setup, const struct cml_check_result *result,
                              double tolerance, struct cml_error *err)
 {
@@ -229,6 +234,8 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     return check_surfaces(options, scene, index, &chosen, &meshes, err);
 }
 
+/* Runs `crosscheck`: flies the same photons in several ways (engines, meshes instead of exact shapes) and
+ * compares packet by packet. The comparison keeps all packets in one process. */
 cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_error *err)
 {
     CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};

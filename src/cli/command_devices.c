@@ -35,7 +35,7 @@ static void print_device(int number, const struct cml_opencl_info *info, int cho
            info->exact_division ? "as on the cpu" : "not correctly rounded");
 }
 
-/* The star marks the device that a run on this rank would take. */
+/* Lists the processor and all OpenCL devices. A star marks the device that a run on this rank would take. */
 cml_status cml_command_devices(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_opencl_info *list;

@@ -4,7 +4,7 @@
 #include "exact/exact.h"
 #include "output/report.h"
 
-/* Computes and prints the totals of one run of the file. */
+/* Computes the exact totals of one run's flat scene by adding-doubling, and prints them. */
 static cml_status solve(const struct cml_options *options, const struct cml_scene *scene,
                         struct cml_error *err)
 {

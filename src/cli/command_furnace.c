@@ -138,6 +138,7 @@ static cml_status choose_area(const struct cml_scene *scene, struct furnace *f, 
     return CML_OK;
 }
 
+/* Returns a beam of diffuse (Lambertian) light over the whole area of the furnace. */
 static struct cml_beam diffuse_beam(const struct furnace *f)
 {
     return (struct cml_beam){.shape = CML_BEAM_RECTANGLE,
@@ -145,7 +146,8 @@ static struct cml_beam diffuse_beam(const struct furnace *f)
                              .light = {.kind = CML_LIGHT_OF_LAMBERTIAN}};
 }
 
-/* Refuses a backing, and layers in which light would stay for ever. */
+/* Refuses scenes in which the furnace's test fails: with a backing, from which no diffuse light comes, or
+ * with layers so dense that light would stay in them for ever. */
 static cml_status check_media(const struct cml_scene *scene, struct cml_error *err)
 {
     if (scene->backing.kind != CML_BACKING_NONE)
@@ -161,8 +163,9 @@ static cml_status check_media(const struct cml_scene *scene, struct cml_error *e
     return CML_OK;
 }
 
-/* Makes the scene to fly: media with a trace of absorption, and a diffuse beam from above and one from below.
- */
+/* Makes the scene that a furnace flies: the same media with a trace of absorption, by which interactions are
+ * counted, and two diffuse beams from above and below. Their shares are the squares of the indices
+ * outside. */
 static cml_status light_scene(const struct cml_scene *scene, struct furnace *f, struct cml_error *err)
 {
     const size_t media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies;
@@ -213,7 +216,8 @@ static cml_status find_volumes(struct furnace *f, const struct cml_surface_set *
     return CML_OK;
 }
 
-/* Compares a share of the launched weight, with its standard error from 64 batches, with the law. */
+/* Compares the light found in a place, with its standard error from 64 batches, with the law of even light:
+ * sets ratio, error and z. */
 static void judge(struct furnace *f, int i, double share, double error, double law)
 {
     struct place *place = &f->place[i];
@@ -243,7 +247,8 @@ static void judge_medium(struct furnace *f, const struct cml_result *result, int
           cml_result_bin_error(result, result->A_l, media, m), law);
 }
 
-/* Judges all places, and the worst of them for the number of tests. */
+/* Judges all places of a furnace, then whether the worst one deviates more than chance allows among so many
+ * tests. */
 static void judge_all(struct furnace *f, const struct cml_result *result)
 {
     judge(f, 0, cml_result_total(result, CML_TOTAL_TRANSMITTED),
@@ -254,6 +259,7 @@ static void judge_all(struct furnace *f, const struct cml_result *result)
 
 /* ---- output ---- */
 
+/* Orders places by how far they deviate from even light, the worst first; untested places come last. */
 static int compare_places(const void *left, const void *right)
 {
     const struct place *a = left, *b = right;
@@ -284,6 +290,8 @@ static void print_all(struct furnace *f, uint64_t photons)
     printf("p = %.3g (Sidak over %d tests)\n", f->p, f->tested);
 }
 
+/* Describes one layer or body as JSON: the ratio of found to expected light, its error and z = deviation in
+ * standard errors. null: the place was not tested. */
 static json_t *place_json(const struct place *place)
 {
     json_t *object = json_pack("{s:s}", "name", place->name);
@@ -295,6 +303,7 @@ static json_t *place_json(const struct place *place)
     return object;
 }
 
+/* Prints the result of `furnace` as JSON. p: probability that even light deviates this much by chance. */
 static cml_status print_json(const struct furnace *f, uint64_t photons, double alpha, struct cml_error *err)
 {
     json_t *object =
@@ -310,6 +319,8 @@ static cml_status print_json(const struct furnace *f, uint64_t photons, double a
 
 /* ---- the command ---- */
 
+/* Reports the result of a furnace, and fails if light is uneven: p below --alpha. The text names the place
+ * that deviates most. */
 static cml_status publish(const struct cml_options *options, struct furnace *f, uint64_t photons,
                           struct cml_error *err)
 {
@@ -323,6 +334,7 @@ static cml_status publish(const struct cml_options *options, struct furnace *f, 
                     f->p, z, name);
 }
 
+/* Names the places of a furnace whose light is compared: below the scene, the layers, then the bodies. */
 static cml_status name_places(struct furnace *f, struct cml_error *err)
 {
     f->num_places = 1 + f->scene.num_layers + f->scene.num_bodies;
@@ -337,6 +349,8 @@ static cml_status name_places(struct furnace *f, struct cml_error *err)
     return CML_OK;
 }
 
+/* Makes the furnace of a scene: its diffuse light, the names of its layers and bodies, its surfaces, and the
+ * volumes from which the expected light follows. */
 static cml_status prepare(const struct cml_options *options, const struct cml_scene *scene, struct furnace *f,
                           struct cml_surface_set *surfaces, struct cml_error *err)
 {
@@ -347,6 +361,7 @@ static cml_status prepare(const struct cml_options *options, const struct cml_sc
     return cml_check_memory(options, &f->scene, surfaces, err);
 }
 
+/* Flies the photons of a furnace, then judges on rank 0 whether its light is even, and prints the report. */
 static cml_status fly(const struct cml_options *options, struct furnace *f, const struct cml_run_setup *setup,
                       struct cml_error *err)
 {

@@ -42,7 +42,7 @@ static void add_own(const struct cml_options *mine, const char *scene, struct cm
     if (scene) call->operands[0] = (char *)scene;
 }
 
-/* Runs the call on rank 0 alone. */
+/* Runs the parts' own command line on rank 0 alone, with their sums in place of a flight. */
 static cml_status run(const struct cml_options *call, struct cml_error *err)
 {
     cml_cluster_alone(true);
@@ -62,7 +62,8 @@ static cml_status check_scene(const char *scene, const char *flown, struct cml_e
                     theirs);
 }
 
-/* Repeats the call of the parts, with their sums in place of flights. */
+/* Joins parts: repeats the command line that the parts were flown with, with their sums in place of flights.
+ * Options of `merge` itself, such as --output, take precedence. */
 static cml_status join(const struct cml_options *options, const char *scene, struct cml_part_files *files,
                        struct cml_error *err)
 {
@@ -81,6 +82,8 @@ static cml_status join(const struct cml_options *options, const char *scene, str
     return run(&call, err);
 }
 
+/* Runs `merge`: joins the files of parts to one result. The first word may be the scene file of the parts,
+ * for which the parts' own command line otherwise names the path. */
 cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err)
 {
     const bool has_scene = cml_file_ends_in(options->operands[0], ".mci");

@@ -66,6 +66,7 @@ static cml_status write_scene_body(const struct cml_options *options, const stru
     return CML_OK;
 }
 
+/* Writes all boundaries and bodies of a scene as mesh files. */
 static cml_status write_scene(const struct cml_options *options, const struct cml_scene *scene,
                               struct cml_error *err)
 {

@@ -21,6 +21,8 @@
  * where kernels of OpenCL are compiled first. */
 #define ERROR_PILOT 0.3
 #define SPEED_PILOT 0.1
+/* Factor by which each round of the speed pilot is longer than the one before. */
+#define SPEED_GROWTH 8
 #define MOST_SECONDS 30 /* longest round, s: packets of some scenes hardly end */
 #define DEFAULT_ERROR 1e-3
 
@@ -29,6 +31,7 @@ static const char *const engine_names[] = {"cpu", "reference", "opencl"};
 static const char *const sampling_names[] = {"random", "lattice"};
 enum {
     ENGINES = sizeof engine_names / sizeof *engine_names,
+    OPENCL = ENGINES - 1, /* the only engine that may refuse a scene or lack a device */
     SAMPLINGS = 2,
     MOST_DETECTORS = 8 /* detectors considered as aims at most; each takes 0.1 s */
 };
@@ -51,8 +54,8 @@ struct plan {
 
 /* ---- pilots ---- */
 
-/* Measures the speed of an engine. OpenCL may have no device or refuse the scene; the other engines fly every
- * scene. The photons come from the time alone: --photons is for the pilots of errors. */
+/* Measures how many photons per second an engine flies, in a pilot run of SPEED_PILOT seconds. OpenCL may
+ * have no device or refuse the scene: the plan then keeps the reason and goes on. */
 static cml_status measure_speed(struct plan *plan, const struct cml_run_setup *setup, int engine,
                                 struct cml_error *err)
 {
@@ -60,9 +63,8 @@ static cml_status measure_speed(struct plan *plan, const struct cml_run_setup *s
     struct cml_pilot pilot;
     mine.engine = cml_engine_find(engine_names[engine]);
     mine.photons = 0;
-    const cml_status status = cml_pilot_fly(&mine, SPEED_PILOT, 8, &pilot, err);
-    if (status == CML_E_STOPPED ||
-        (engine == ENGINES - 1 && (status == CML_E_DEVICE || status == CML_E_INPUT))) {
+    const cml_status status = cml_pilot_fly(&mine, SPEED_PILOT, SPEED_GROWTH, &pilot, err);
+    if (status == CML_E_STOPPED || (engine == OPENCL && (status == CML_E_DEVICE || status == CML_E_INPUT))) {
         plan->refusal[engine] = *err;
         return CML_OK;
     }
@@ -130,10 +132,11 @@ static void print_time(double seconds)
 /* True if an engine can reach the goal: OpenCL has no expected values. */
 static bool has_goal(const struct plan *plan, int engine, int goal)
 {
-    if (goal == CML_PILOT_EXPECTED) return plan->aim.tail.scores > 0 && engine < ENGINES - 1;
+    if (goal == CML_PILOT_EXPECTED) return plan->aim.tail.scores > 0 && engine != OPENCL;
     return goal != CML_PILOT_NAMED || plan->error_of;
 }
 
+/* Returns the name of a goal of the plan: that of --error-of, a total, or the expected value of Tt. */
 static const char *goal_name(const struct plan *plan, int goal)
 {
     if (goal == CML_PILOT_NAMED) return plan->error_of;
@@ -171,6 +174,7 @@ static double longest_pilot(const struct plan *plan)
     return (double)pilot->round[pilot->num_rounds - 1].photons;
 }
 
+/* Says how much time --aim would save for one of the scene's goals. A gain of 0 or below means none. */
 static void print_gain(const struct cml_window_table *windows, const char *aim, const char *name)
 {
     const double gain = windows->gain;
@@ -236,6 +240,8 @@ static void print_plan(const struct plan *plan)
     print_windows(plan);
 }
 
+/* Describes one row of `plan` as JSON: the speed of an engine with one kind of sampling, and for each goal
+ * the photons and seconds until the wanted error is reached. */
 static json_t *row_json(const struct plan *plan, int engine, int lattice)
 {
     const double speed = plan->photons_per_s[engine];
@@ -263,7 +269,8 @@ static json_t *gains_json(const struct plan *plan)
     return gains;
 }
 
-/* Prints the plan as one JSON object. */
+/* Prints the plan of a scene as one JSON object: a row for each engine and sampling, and what --aim would
+ * gain. */
 static cml_status print_json(const struct plan *plan, struct cml_error *err)
 {
     json_t *object = json_pack(
@@ -284,6 +291,7 @@ static cml_status print_json(const struct plan *plan, struct cml_error *err)
 
 /* ---- the command ---- */
 
+/* Prints the plan on rank 0, as JSON or for people. */
 static cml_status publish(const struct cml_options *options, const struct plan *plan, struct cml_error *err)
 {
     if (cml_cluster_rank() != 0) return CML_OK;
@@ -303,7 +311,8 @@ static cml_status aim(const struct cml_scene *scene, const struct cml_surface_se
     return cml_aim_create("Tt", scene, surfaces, to, err) == CML_E_INPUT ? CML_E_INPUT : CML_OK;
 }
 
-/* Makes the windows of detectors. A detector that cannot be aimed at does not end the plan. */
+/* Computes the weight windows that --aim would use for each detector, because the plan tells what they gain.
+ * A detector that cannot be aimed at does not end the plan, which keeps the first reason. */
 static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *surfaces)
 {
     const struct cml_scene *scene = plan->scene;
@@ -339,7 +348,8 @@ static cml_status prepare(const struct cml_options *options, struct plan *plan,
     return aim(plan->scene, surfaces, &plan->aim, err);
 }
 
-/* Flies the pilots of one scene and prints its plan. */
+/* Plans one scene: flies short pilot runs, then prints how many photons and how much time a wanted error
+ * takes. A pilot that is stopped for its time limit counts as a fault of the scene. */
 static cml_status plan_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
                              struct cml_error *err)
 {

@@ -28,8 +28,9 @@ struct session {
     struct cml_outputs outputs; /* claimed files of all runs, on rank 0 only */
 };
 
-/* Checks all runs before the first photon flies: memory, starts of beams, aims, and outputs that can be
- * written. */
+/* Checks all runs of a file before the first photon flies: memory, starts of beams, --error-of, --aim, and
+ * outputs that can be written. Loops from 1: the first run is prepared right after this, and then refuses
+ * the same faults before its first photon. */
 static cml_status check_runs(struct session *session, const struct cml_inputs *inputs, struct cml_error *err)
 {
     const struct cml_scene_list *list = &session->list;
@@ -80,8 +81,8 @@ static cml_status run_scene(const struct session *session, int index, struct cml
     return status;
 }
 
-/* For `merge`: reads the parts of all runs before the first result is written. A single run reads all its
- * parts first anyway. */
+/* Reads the parts of all runs for `merge` before the first result is written, so that a missing part spoils
+ * nothing. A single run reads all its parts first anyway. */
 static cml_status look_at_parts(const struct session *session, struct cml_error *err)
 {
     struct cml_part_files *files = session->options->joined;
@@ -92,6 +93,7 @@ static cml_status look_at_parts(const struct session *session, struct cml_error 
     return cml_part_files_looked(files, status, err);
 }
 
+/* Flies all runs of a file, one after the other. Checkpoints go at the end, unless the options keep them. */
 static cml_status run_all(const struct session *session, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
@@ -104,7 +106,7 @@ static cml_status run_all(const struct session *session, struct cml_error *err)
     return CML_OK;
 }
 
-/* Refuses a name of a result whose ending is not .mco or .h5. */
+/* Refuses a name of a result with an ending other than .mco or .h5, because the ending sets the format. */
 static cml_status check_output(const char *name, struct cml_error *err)
 {
     const char *slash = name ? strrchr(name, '/') : NULL,
@@ -122,7 +124,7 @@ static cml_status check_folder(const char *name, struct cml_error *err)
     return cml_fail(err, CML_E_INPUT, "run: -o %.200s (expected a folder; --output names the result)", name);
 }
 
-/* Refuses --derivatives beside options that have no scores. */
+/* Refuses --derivatives beside options and engines that keep no scores for derivatives. */
 static cml_status check_derivatives(const struct cml_options *options, struct cml_error *err)
 {
     const char *beside = options->reweight             ? "--reweight"
@@ -132,7 +134,7 @@ static cml_status check_derivatives(const struct cml_options *options, struct cm
     return cml_fail(err, CML_E_INPUT, "--derivatives (expected no %s beside it)", beside);
 }
 
-/* Refuses --derivatives of a scene with a time line. */
+/* Refuses --derivatives for a scene with time gates, whose arrays have no derivatives. */
 static cml_status check_differentiated(const struct cml_options *options, const struct cml_scene_list *list,
                                        struct cml_error *err)
 {
@@ -236,6 +238,8 @@ static cml_status run_file(struct session *session, struct cml_inputs *inputs, s
     return status;
 }
 
+/* Runs `run`: checks options on all ranks, reads the scenes, and flies the runs of the file or the rows of a
+ * sweep. */
 cml_status cml_command_run(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_options mine = *options;

@@ -98,7 +98,8 @@ static cml_status trace_scene(const struct cml_options *options, const struct cm
     return status;
 }
 
-/* Checks the photon's number before the scene is read, which may take long. */
+/* Runs `trace`: flies one photon and prints its events. The photon's number is checked before the scene is
+ * read, which may take long. */
 cml_status cml_command_trace(const struct cml_options *options, struct cml_error *err)
 {
     uint64_t photon = 0;

@@ -29,7 +29,8 @@ static const struct {
     cml_status (*run)(const struct cml_options *options, struct cml_error *err);
 } commands[CML_NUM_COMMANDS] = {CML_COMMANDS(ROW, PYTHON_ROW)};
 
-/* Runs the command, unless --help or --version is given. */
+/* Runs the command of the command line, or prints help or version. Commands that do not run in parallel run
+ * on rank 0 only. */
 static cml_status answer(const struct cml_options *options, struct cml_error *err)
 {
     const bool first = cml_cluster_rank() == 0;
@@ -45,7 +46,8 @@ static cml_status answer(const struct cml_options *options, struct cml_error *er
     return CML_OK;
 }
 
-/* Runs the program on all ranks; all return the worst status of all, and its message. */
+/* Reads the options and does the command on all ranks. All return the worst status of all, and its
+ * message. */
 static cml_status work(int argc, char **argv, struct cml_error *err)
 {
     struct cml_options options;
@@ -87,8 +89,8 @@ static bool is_handed_over(int argc, char *const *argv)
     return true;
 }
 
-/* Prints one message for all ranks. After contact was lost the other ranks print theirs, too, if the launcher
- * has not ended them: rank 0 may be the lost one. */
+/* Runs the program and returns its exit status. One message is printed for all ranks. After contact was lost
+ * the other ranks print theirs, too, if the launcher has not ended them: rank 0 may be the lost one. */
 int main(int argc, char **argv)
 {
     struct cml_error err = {CML_OK, ""};

@@ -27,7 +27,8 @@ static double error_of(const struct cml_result *result, enum cml_total total)
     return certain ? 0 : cml_result_relative_error(result, total);
 }
 
-/* Flies one round of a pilot and adds its errors and its speed. */
+/* Flies one round of a pilot and adds its errors and its speed to the pilot. A total that lies below
+ * CML_TARGET_LEAST_SHARE by three standard errors is marked as faint; its error is then no goal. */
 static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot *pilot, struct cml_error *err)
 {
     struct cml_run_result run;
@@ -56,6 +57,8 @@ static uint64_t shorter(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
+/* Flies a short pilot run in rounds of growing length and keeps each round's errors. Ends after a given
+ * number of photons or about `seconds`. */
 cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int growth,
                          struct cml_pilot *pilot, struct cml_error *err)
 {
@@ -79,7 +82,8 @@ cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int 
     return CML_OK;
 }
 
-/* Interpolates between two rounds, linearly in logarithms. The first may have seen nothing. */
+/* Returns the error between two rounds of the pilot, interpolated linearly in logarithms. The first may have
+ * seen nothing. */
 static double interpolate(const struct cml_pilot_round rounds[2], int goal, double error)
 {
     const double slope =
@@ -88,6 +92,8 @@ static double interpolate(const struct cml_pilot_round rounds[2], int goal, doub
     return isfinite(rounds[0].error[goal]) ? first * pow(last / first, slope) : last;
 }
 
+/* Estimates how many photons a goal needs for a relative standard error. Between two rounds of the pilot the
+ * errors are interpolated; beyond the pilot they fall with the root of the photons. */
 double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error)
 {
     int reached = pilot->num_rounds; /* from this round on all rounds reach the error */

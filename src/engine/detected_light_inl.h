@@ -71,7 +71,8 @@ static inline void cml_add_moment(uint64_t *parts, const struct cml_light_out *l
         parts[i] += light->times * ((uint64_t)(product >> (i * CML_MOMENT_BITS)) & mask);
 }
 
-/* Returns the factor of a packet's weight in a moment of a medium, from the packet's stay there. */
+/* Returns the number by which a packet's weight is multiplied in one moment of a medium: the length of its
+ * path there, its interactions, or its momentum transfer, in whole units. */
 static inline uint64_t cml_number_of_moment(const struct cml_world *world, const struct cml_stay *stay,
                                             int moment)
 {
@@ -86,7 +87,8 @@ static inline uint64_t cml_number_of_moment(const struct cml_world *world, const
     }
 }
 
-/* Adds a packet's stays in all media, and its largest depth, to the moments of a detector. */
+/* Adds a packet's paths and interactions in all media, and its largest depth, each times its weight, to the
+ * moments of a detector. */
 static inline void cml_add_moments(const struct cml_world *world, const struct cml_light_out *light,
                                    uint64_t *moments)
 {
@@ -172,12 +174,14 @@ struct cml_seen {
     uint64_t *detector, *detector_t, *moments;
 };
 
+/* Returns where a tally sums what detectors see: totals, time gates and moments. */
 static inline struct cml_seen cml_seen_by(const struct cml_tally *tally)
 {
     return (struct cml_seen){tally->detector, tally->detector_t, tally->moments};
 }
 
-/* Adds light to the sums of detector k, but not to its pixels. */
+/* Adds light to the sums of detector k: total, time gate, and moments of path and depth. The pixels of a
+ * detector that is a map are added elsewhere. */
 static inline void cml_add_to_detector(const struct cml_world *world, const struct cml_light_out *light,
                                        int k, const struct cml_seen *to)
 {
@@ -188,8 +192,9 @@ static inline void cml_add_to_detector(const struct cml_world *world, const stru
     cml_add_moments(world, light, to->moments + (size_t)k * moments);
 }
 
-/* Scores light by a share of a circle (P13): light leaves alike all about the axis, and the detector of the
- * arc counts the share of the circle that it sees. */
+/* Scores light for a detector beside the axis of a scene that is the same all about the axis (P13). Light
+ * that leaves at a distance r may leave anywhere on the circle of radius r. The detector therefore counts
+ * the share of the circle that lies in it, with less noise than counting hits. */
 static inline void cml_score_arc(const struct cml_world *world, const struct cml_light_out *light,
                                  const struct cml_seen *to)
 {
@@ -208,7 +213,8 @@ static inline void cml_score_arc(const struct cml_world *world, const struct cml
     if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, to);
 }
 
-/* Adds light to the pixel of a detector that sees it. */
+/* Adds light to the pixel of a detector map that sees it, and to its sum of squares if standard errors come
+ * from squares (once.step is 0). */
 static inline void cml_add_to_pixel(const struct cml_light_out *light, const struct cml_light_out *before,
                                     const struct cml_seeing *seeing, const struct cml_detector *detector,
                                     const struct cml_tally *to)
@@ -260,7 +266,8 @@ static inline struct cml_light_out cml_light_split_off(const struct cml_world *w
     return light;
 }
 
-/* Adds the light that is split off `times` packets like packet `index` to the scores of all detectors. */
+/* Adds the specular light that is split off `times` packets like packet `index` at their launch to all
+ * detectors that see it. */
 static inline void cml_score_split_off(const struct cml_world *world, cml_u64 index, uint64_t times,
                                        const struct cml_seen *to, const struct cml_tally *pixels)
 {

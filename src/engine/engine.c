@@ -38,12 +38,16 @@ static double spacing_of_marks(const struct cml_scene *scene)
     return scene->map.volume ? fmin(bin, fmin(scene->map.dx, scene->map.dy)) : bin;
 }
 
+/* Returns how much one sampled interaction adds to A(z) of a row, as a share of the packet's weight. more:
+ * by how much the row's mua exceeds the flown one, 1/cm. */
 double cml_engine_row_share(const struct cml_medium_def *flown, double more)
 {
     const double mua = flown->mua + more;
     return mua > 0 ? CML_ROW_SAMPLING * mua / (flown->mus > 0 ? flown->mus : flown->mua) : 0;
 }
 
+/* Finds a medium in which a row of a shared flight would learn A(z) from too few interactions, because the
+ * flown medium hardly interacts. Returns -1 if there is none. */
 int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_engine_rows *rows)
 {
     for (int m = 0; m < scene->num_layers + 2 + scene->num_bodies; m++)
@@ -106,8 +110,9 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
     return grid;
 }
 
-/* Pieces become smaller towards the end (guided scheduling), so that all threads end at about the same
- * time. */
+/* Returns how many photons a thread takes at once. Pieces become smaller towards the end (guided
+ * scheduling), so that all threads end at about the same time. takers: number of threads; left: photons
+ * left. */
 uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
 {
     const uint64_t least = 16;
@@ -132,6 +137,7 @@ bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patie
     return now - patience->since > PATIENCE;
 }
 
+/* Makes the error of a run that was stopped and whose last packets would not end. */
 cml_status cml_engine_given_up(struct cml_error *err)
 {
     return cml_fail(err, CML_E_STOPPED, "packets that do not end were given up");
@@ -145,7 +151,9 @@ struct range_work {
     struct cml_tally *tally;
 };
 
-/* Takes the next piece of the range, for cml_work.next. */
+/* Gives a thread the next piece of a range of photons, at most `most` of them, and returns false when the
+ * range is used up. takers: number of threads that share the rest. It is the function cml_work.next of
+ * cml_engine_run_range. */
 static bool next_of_range(void *context, uint64_t most, int takers, struct cml_piece *piece)
 {
     struct range_work *range = context;
@@ -161,7 +169,7 @@ static bool next_of_range(void *context, uint64_t most, int takers, struct cml_p
     return piece->count > 0;
 }
 
-/* Does nothing: the range has one tally for all batches. */
+/* Does nothing when a batch ends, because a range of packets has one tally for all batches. */
 static void ignore_batch(void *context, int batch, struct cml_tally *tally)
 {
     (void)context;
@@ -178,6 +186,7 @@ static void add_to_range(void *context, struct cml_tally *tally)
     pthread_mutex_unlock(&range->lock);
 }
 
+/* Flies packets first to first + count - 1 by themselves, without batches, and adds them to a tally. */
 cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uint64_t first, uint64_t count,
                                 struct cml_tally *tally, struct cml_error *err)
 {
@@ -189,6 +198,7 @@ cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uin
     return status;
 }
 
+/* Returns words for how a packet has ended. */
 const char *cml_fate_name(int fate)
 {
     static const char *const names[CML_NUM_FATES] = {"alive",    "absorbed", "reflected", "transmitted",
@@ -196,6 +206,7 @@ const char *cml_fate_name(int fate)
     return names[fate];
 }
 
+/* Returns words for the cause for which a packet was given up, for messages. */
 const char *cml_lost_cause_name(int cause)
 {
     static const char *const names[CML_NUM_LOST_CAUSES] = {"not lost",

@@ -15,6 +15,7 @@ struct reference_engine {
     struct cml_tally tally; /* the tally of a call of run; zero between calls */
 };
 
+/* Frees a reference engine; NULL is allowed. */
 static void reference_close(void *self)
 {
     struct reference_engine *engine = self;
@@ -71,6 +72,7 @@ static cml_status reference_run(void *self, const struct cml_work *work, struct 
     return CML_OK;
 }
 
+/* Flies one packet and reports its events to `on_event`, for the command `trace`. */
 static cml_status reference_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                                   struct cml_fate_record *record, struct cml_error *err)
 {
@@ -78,6 +80,7 @@ static cml_status reference_trace(void *self, uint64_t index, cml_trace_function
     return trace_packets(&engine->owned.world, index, 1, on_event, context, record, err);
 }
 
+/* Flies `count` packets from number `first` and records how each one ends, for `crosscheck`. */
 static cml_status reference_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                                   struct cml_error *err)
 {
@@ -85,6 +88,7 @@ static cml_status reference_fates(void *self, uint64_t first, uint64_t count, st
     return trace_packets(&engine->owned.world, first, count, NULL, NULL, records, err);
 }
 
+/* Returns the number of threads: the reference engine always uses one. */
 static int reference_threads(const void *self)
 {
     (void)self;

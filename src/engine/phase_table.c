@@ -49,7 +49,8 @@ static double deflection_of(const struct source *source, double share, double lo
     return high;
 }
 
-/* Returns the mean deflection over a cell, by Gauss and Legendre's rule with three nodes. */
+/* Returns the mean deflection over a cell, by Gauss and Legendre's rule with three nodes. low, high: bracket
+ * of the cell's deflections. */
 static double mean_of(const struct source *source, int cell, double low, double high)
 {
     static const double node[] = {0.11270166537925831, 0.5, 0.88729833462074169},
@@ -108,7 +109,9 @@ static void add_parts(const struct source *source, int cell, double low, double 
     }
 }
 
-/* Fills the table of one function. */
+/* Fills the table of one phase function, from which packets draw the deflection. Cell k covers an equal
+ * share of probability, with a straight line through it. A cell in which the line is too inaccurate refers
+ * to CML_PHASE_PARTS smaller parts behind all tables. */
 static cml_status fill(const char *file, const struct cml_phase *phase, struct cml_phase_tables *tables,
                        size_t *capacity, struct cml_error *err)
 {

@@ -63,7 +63,9 @@ struct verdict {
     const char *what;       /* the total or profile that has this difference */
 };
 
-/* Lists the series of all values that cml_tally_sum_batch computes. */
+/* Lists all values by which a trial compares shape and plane: totals, profiles over r, angle and z, and the
+ * absorption of layers and bodies. A series is a name, the place of its first value and the number of
+ * values. */
 static void list_series(const struct cml_tally_grid *grid, struct series *series)
 {
     const struct cml_layout at = cml_layout_of(grid, CML_OF_PROFILES);
@@ -82,7 +84,8 @@ static void list_series(const struct cml_tally_grid *grid, struct series *series
 
 /* ---- flying ---- */
 
-/* Adds the cells beyond the grid to the first and last bins, as the output does. */
+/* Adds the cells beyond the grid to the first and last bins of profiles, as in printed results, so that a
+ * trial compares what users see. */
 static void fold_profiles(struct cml_tally *tally)
 {
     const struct cml_layout at = tally->profile;
@@ -97,7 +100,8 @@ static void fold_profiles(struct cml_tally *tally)
     }
 }
 
-/* Adds a batch's values, and their differences between both ways. */
+/* Adds the values of a batch for both ways (shape and plane) to the sums, and their differences, whose
+ * spread gives the errors. */
 static void add_values(const uint64_t *as_is, const uint64_t *level, size_t count, struct value *value)
 {
     for (size_t i = 0; i < count; i++) {
@@ -219,7 +223,8 @@ static cml_status fly_and_judge(struct trial *trial, struct verdict *verdict, st
 
 /* ---- one boundary after the other ---- */
 
-/* Makes both ways' engines and tallies for a trial. */
+/* Makes an engine and a tally for each of the two ways of a trial: with the shape, and with a plane in its
+ * place. overhead: the cost of handling tallies, counted in steps of packets. */
 static cml_status open_trial(const struct cml_scene *scene, const struct cml_engine_options *options,
                              const struct cml_surface_set *ways[2], struct trial *trial,
                              struct cml_error *err)
@@ -238,6 +243,8 @@ static cml_status open_trial(const struct cml_scene *scene, const struct cml_eng
     return CML_OK;
 }
 
+/* Frees a trial, which flies the same photons in two ways: with the shape of a boundary, and with a plane in
+ * its place. */
 static void close_trial(struct trial *trial)
 {
     for (int way = 0; way < 2; way++) {
@@ -271,7 +278,8 @@ static bool has_bodies_beside(const struct cml_scene *scene, int b)
     return cml_layer_has_bodies(scene, b) || cml_layer_has_bodies(scene, b + 1);
 }
 
-/* Compares the scene as it is with the scene that has level rings. */
+/* Flies the scene as it is and with level rings in place of its curved boundaries, and judges whether the
+ * results differ. */
 static cml_status try_level(const struct search *search, struct verdict *verdict, struct cml_error *err)
 {
     const struct cml_surface_set *ways[2] = {search->curved, &search->level};
@@ -347,7 +355,8 @@ static void tell(const struct verdict *verdict, double tolerance, struct cml_sur
         snprintf(text, room, ", as a plane %s may be off by %.2g", verdict->what, verdict->most);
 }
 
-/* Adopts the verdict on a boundary: a harmless one becomes a plane. */
+/* Acts on the result of the trials of boundary b: the boundary becomes a plane if the plane does no harm.
+ * The user is told in either case. */
 static void adopt(const struct search *search, int b)
 {
     const struct verdict *verdict = &search->verdict[b];
@@ -395,8 +404,9 @@ static cml_status search_planes(struct search *search, struct cml_error *err)
     return status;
 }
 
-/* Sets up the search with options of its own, so that its outcome depends on the scene only and not on the
- * run. */
+/* Replaces shapes by planes where trial flights show that the plane changes no result by more than
+ * --tolerance. Trials have options of their own (seed, sampling), so that the outcome depends on the scene
+ * only. */
 cml_status cml_make_harmless_planes(const struct cml_scene *scene, const struct cml_surface_options *options,
                                     const struct cml_engine *engine,
                                     const struct cml_engine_options *engine_options,

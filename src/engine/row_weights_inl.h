@@ -39,7 +39,8 @@ struct cml_row_sums {
     struct cml_once once;  /* layout of directions, in bins of all rows */
 };
 
-/* Returns the layout of the rows' sums in a tally. */
+/* Returns where the sums of the rows of a sweep lie in a tally. Binned arrays by batch come first, then
+ * grids over r and angle, r and z, directions, and r and time, as far as they exist. */
 static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
                                                   const struct cml_tally *tally)
 {
@@ -64,7 +65,7 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     return sums;
 }
 
-/* Returns fmix32 of a word. */
+/* Returns a hash of a word (fmix32 of MurmurHash3), which looks random. */
 static inline cml_u32 cml_row_hash(cml_u32 h)
 {
     h = (h ^ h >> 16) * 0x85ebca6bu;
@@ -172,7 +173,9 @@ static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w,
     memory[CML_ROW_INSIDE] = path > 0 ? path : (real)0;
 }
 
-/* Adds to each score the effect of a flight of length t (cm). It is cml_rows_fly for rows that are scores. */
+/* Adds to each derivative's score the effect of a flight of length t (cm): `more` per cm, and `hits` for
+ * each scattering since the last call. Absorption on the way is added to the medium, weighted by the score.
+ * It is cml_rows_fly for derivatives. */
 static inline void cml_scores_fly(const struct cml_world *world, const struct cml_row_packet *rows,
                                   int medium, real t, cml_u32 interactions, cml_u32 before, cml_u32 left)
 {
@@ -195,9 +198,9 @@ static inline void cml_scores_fly(const struct cml_world *world, const struct cm
     }
 }
 
-/* Absorbs in all rows: the packet's weight `before` has become `left` over t (cm) in a medium, and the rest
- * of every row is absorbed there; if timed, also in the gate by_t. Factors below 1e-20 become 0, because
- * arithmetic with the smallest numbers is slow. */
+/* Absorbs a flight of length t (cm) in all rows of a sweep, each with its own mua. The packet's weight fell
+ * from `before` to `left`; a row's weight is the packet's times the row's factor. timed: also adds to the
+ * time gate by_t. Factors below 1e-20 become 0, because arithmetic with the smallest numbers is slow. */
 CML_ROWS_INLINE void cml_rows_absorb_as(int timed, const struct cml_world *world,
                                         const struct cml_row_packet *rows, int medium, real t, cml_u32 before,
                                         cml_u32 left, uint64_t *restrict by_t)
@@ -219,11 +222,9 @@ CML_ROWS_INLINE void cml_rows_absorb_as(int timed, const struct cml_world *world
     }
 }
 
-/* Books a loss by absorption in all rows (cml_rows_absorb_as), divided among the gates that the optical
- * path `path` crosses. The packet's own loss since its last booking goes to the gate of that booking,
- * because a packet is booked at its first interaction in any other gate. Rows lose weight all along the
- * path. The places where gates cut the path have the rounding of times; the length of the path is not
- * changed. */
+/* Absorbs a flight in all rows, as cml_rows_absorb_as does, and divides the loss among the time gates that
+ * the flight crosses. path: optical path, cm. The packet's own loss goes to the first gate, because a packet
+ * is handled at its first interaction in each later gate; rows lose weight all along the path. */
 static inline void cml_rows_absorb_by_time(const struct cml_world *world, const struct cml_row_packet *rows,
                                            int medium, real path, cml_u32 before, cml_u32 left)
 {
@@ -308,7 +309,7 @@ struct cml_row_place {
     uint64_t *by_z, *by_rz;
 };
 
-/* Returns the bins of an interaction at p in a medium. */
+/* Returns where an interaction at p counts in the rows' A(z) and A(r, z). */
 static inline struct cml_row_place cml_rows_sampled_at(const struct cml_world *world,
                                                        const struct cml_row_packet *rows, int medium,
                                                        struct cml_vec p)
@@ -389,8 +390,9 @@ static inline void cml_rows_backing(const struct cml_row_packet *rows, cml_u32 b
     cml_rows_change(rows, before, after, CML_BALANCE_BACKING, CML_BALANCE_BACKING);
 }
 
-/* Adds a packet that has left to all rows. Scores have no sums over both radius and angle. timed: 1 if there
- * are gates. */
+/* Adds a packet that leaves the scene to the totals and profiles of all rows, with each row's weight.
+ * scores: 1 if the rows are scores for derivatives, which have no sums over both radius and angle; timed: 1
+ * if there are time gates. */
 CML_ROWS_INLINE void cml_rows_leave_as(int scores, int timed, const struct cml_setup *setup,
                                        const struct cml_row_packet *rows, const struct cml_exit *exit,
                                        real unit)
@@ -417,7 +419,8 @@ CML_ROWS_INLINE void cml_rows_leave_as(int scores, int timed, const struct cml_s
     }
 }
 
-/* Adds a packet of weight w that has been reflected or transmitted to all rows. Scores have no gates. */
+/* Adds a packet of weight w that leaves the scene to the profiles of all rows of a sweep, each with its own
+ * weight. */
 static inline void cml_rows_leave(const struct cml_setup *setup, const struct cml_row_packet *rows,
                                   const struct cml_exit *exit, cml_u32 w)
 {
@@ -440,7 +443,8 @@ struct cml_row_light {
     int fresh; /* 1: the light weighs as much in all rows, and has no score */
 };
 
-/* Adds the light, as each row weighs it, to the rows' bins. to: the bin of the first row. */
+/* Adds light to one bin of all rows of a sweep, each with its own weight. to: the bin of the first row; the
+ * others follow. */
 static inline void cml_rows_add_to(const struct cml_row_light *of, uint64_t *to)
 {
     const struct cml_row_packet *rows = of->rows;
@@ -459,7 +463,7 @@ static inline void cml_rows_add(const struct cml_row_light *of, size_t bin)
     cml_rows_add_to(of, cml_row_bin(of->rows, bin));
 }
 
-/* Returns the bin of radius and gate in which rows have left. */
+/* Returns where a packet that leaves counts in the rows' Rd or Tt over radius and time. */
 static inline uint64_t *cml_row_radius_and_gate(const struct cml_setup *setup,
                                                 const struct cml_row_packet *rows,
                                                 const struct cml_exit *exit)
@@ -469,8 +473,8 @@ static inline uint64_t *cml_row_radius_and_gate(const struct cml_setup *setup,
     return sums->radii + (exit->up ? 0 : sums->transmitted_rt) + cell * (size_t)sums->count;
 }
 
-/* Adds the light, as each row weighs it, times a number to both parts of the rows' moments. The number counts
- * units of 2^-16. */
+/* Adds weight times `number` to a moment (such as the mean depth) of each row. number: in units of 2^-16. A
+ * moment needs more than 64 bits, so its sum has a lower and an upper part, which lie `count` cells apart. */
 static inline void cml_rows_add_moment(const struct cml_row_light *of, size_t bin, uint64_t number)
 {
     const struct cml_row_packet *rows = of->rows;
@@ -506,7 +510,8 @@ static inline void cml_rows_add_moments(const struct cml_world *world, const str
     if (deepest) cml_rows_add_moment(of, first + 2 * numbers, deepest);
 }
 
-/* Adds the light to all detectors that see it, as each row weighs it. */
+/* Adds light that leaves to all detectors that see it, once for each row of a sweep with the row's own
+ * weight; also to the detector's moments and time gates if there are any. */
 static inline void cml_rows_detect(const struct cml_world *world, const struct cml_row_light *of)
 {
     const struct cml_layout *at = &of->rows->sums->at;
@@ -519,10 +524,9 @@ static inline void cml_rows_detect(const struct cml_world *world, const struct c
     }
 }
 
-/* Adds the light to the bin of its direction, for each row. If standard errors come from groups, each
- * group has bins of its own, once.step bins apart. If once.step is 0, all groups share the bins, and
- * squares of weights are summed once.squares bins behind. Rows count in 2^-30 packets and squares in
- * 2^-31, hence 2 * part. */
+/* Adds a packet that leaves the scene to the bin of its direction, once for each row of a sweep with the
+ * row's own weight. Groups have bins of their own, once.step apart, or share bins (step 0), and squares
+ * stand once.squares bins behind. Rows count in 2^-30 packets and squares in 2^-31, hence 2 * part. */
 static inline void cml_rows_direct(const struct cml_setup *setup, const struct cml_row_light *of)
 {
     const struct cml_row_packet *rows = of->rows;

@@ -32,7 +32,8 @@ struct row_walk {
     cml_u32 interactions, now;         /* the packet's interactions and weight after the last step */
 };
 
-/* Begins the rows of a packet that has been launched. */
+/* Begins a packet's weights in all rows of a sweep, and remembers the packet's state, from which later steps
+ * see what has changed. */
 static inline void rows_begin(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
 {
     const struct cml_row_packet its =
@@ -66,7 +67,8 @@ static inline void rows_fly(const struct cml_world *world, struct row_walk *rows
     rows->w = left;
 }
 
-/* Books the flight before an interaction that lies in another gate than the last booking (P11). */
+/* Updates the rows' absorption by time before an interaction that lies in a later time gate than the last
+ * update (P11). */
 static inline void rows_keep_time(const struct cml_world *world, struct row_walk *rows,
                                   const struct cml_row_packet *its, struct cml_packet *packet)
 {
@@ -76,8 +78,9 @@ static inline void rows_keep_time(const struct cml_world *world, struct row_walk
         rows_fly(world, rows, its, packet, rows->now);
 }
 
-/* Books rows after a step, at the same events as lanes of a bundle (cml_flush_deposits): not on the way out
- * and back in. */
+/* Updates the weights of all rows of a sweep after a step of a packet: absorption, roulette and the backing.
+ * Rows are updated at the same events as by the vector loops (cml_flush_deposits), so that both add the same
+ * rounded numbers. */
 static inline void rows_step(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
 {
     const struct cml_row_packet its =
@@ -143,7 +146,8 @@ static inline bool end_packet(struct piece_walk *walk, struct cml_packet *packet
     return true;
 }
 
-/* Walks the branches that wait (P19). Returns false if one was given up. */
+/* Walks all branches, parts of split packets that wait, to their ends (P19). Returns false if one was given
+ * up. */
 static inline bool end_branches(struct piece_walk *walk)
 {
     while (walk->to.branches && walk->to.branches->count > 0) {
@@ -188,7 +192,8 @@ struct tracing {
     cml_u32 rough_draws; /* the packet's rough_draws at its last event */
 };
 
-/* Passes an event of kernels/walk.h on to the listener, in the coordinates of the scene. */
+/* Passes an event of the walk on to the listener of a trace, in coordinates of the scene. If the packet has
+ * walked over facets of a rough boundary meanwhile, an event "rough" with their number comes first. */
 static void forward_event(void *context, const char *what, const struct cml_packet *packet)
 {
     struct tracing *tracing = context;

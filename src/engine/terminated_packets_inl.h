@@ -46,7 +46,7 @@ struct cml_terminated {
     cml_u32 scored[CML_TERMINATED]; /* weight scored in this cell */
 };
 
-/* Returns the exit of entry i of the collection. */
+/* Returns where and how packet i of the collection has left, as bins. */
 static inline struct cml_exit cml_terminated_exit(const struct cml_setup *setup,
                                                   const struct cml_terminated *terminated, int i)
 {
@@ -60,10 +60,10 @@ struct cml_terminated_sums {
     uint64_t deposited, deposited_above; /* all deposits; deposits of packets that were reflected */
 };
 
-/* Fills cell and scored: the cell of Rd_ra or Tt_ra in which each packet leaves (P7), and the weight it
- * scores there, 0 for a packet that did not leave. Cells count from the first of Rd_ra; those of the packet's
- * group and of Tt_ra lie fixed distances behind, so one array of sums serves all. The loop goes over all
- * entries: a loop of constant length has no remainder. */
+/* Finds for all collected packets the cell of Rd_ra or Tt_ra in which each leaves (P7), and the weight it
+ * scores there: 0 if it did not leave. One array holds the cells of Rd_ra and Tt_ra for all groups, so one
+ * number names a cell. The loop goes over all CML_TERMINATED entries: a loop of constant length has no
+ * remainder. */
 static inline void cml_terminated_find_cells(const struct cml_setup *shared,
                                              struct cml_terminated *terminated, const struct cml_tally *tally)
 {
@@ -118,9 +118,9 @@ static inline cml_u64 cml_terminated_index(const struct cml_terminated *terminat
     return (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
 }
 
-/* Adds the light that was split off the packets at their launch to the bins of directions and to detectors.
- * The light is alike for all packets. count: number of launched packets, without branches, each taken `times`
- * times. */
+/* Adds the specular light, split off all packets alike at their launch, to the bins of directions and to
+ * detectors. count: number of launched packets, without branches; times: how many packets each entry stands
+ * for. */
 static inline void cml_terminated_add_split_off(const struct cml_world *world,
                                                 const struct cml_terminated *terminated, uint64_t times,
                                                 uint64_t count, struct cml_tally *tally)
@@ -190,7 +190,8 @@ static inline void cml_terminated_score_gates(const struct cml_setup *setup,
     }
 }
 
-/* Empties the collection into the tally; each entry stands for `times` packets. */
+/* Adds all collected packets to the tally in vector loops, and empties the collection. Each entry stands for
+ * `times` packets. */
 static inline void cml_terminated_flush_times(const struct cml_world *world,
                                               struct cml_terminated *terminated, uint64_t times,
                                               struct cml_tally *tally)
@@ -210,7 +211,7 @@ static inline void cml_terminated_flush(const struct cml_world *world, struct cm
     cml_terminated_flush_times(world, terminated, 1, tally);
 }
 
-/* Flushes the collection if it has no room for the next addition. */
+/* Adds the collected packets to the tally if the collection has no room for the next group. */
 static inline void cml_terminated_make_room(const struct cml_world *world, struct cml_terminated *terminated,
                                             struct cml_tally *tally)
 {
@@ -242,7 +243,8 @@ static inline void cml_tally_pixel(const struct cml_setup *setup, const struct c
                  terminated->index_low[i], terminated->w[i], 1);
 }
 
-/* Adds the weight of entry i, which has been reflected or transmitted, to the facet that it touched last. */
+/* Adds the weight of packet i, which has left the scene, to the facet of the boundary that it touched
+ * last. */
 static inline void cml_tally_escape(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                     int i, const struct cml_exit *exit, int primitive,
                                     const struct cml_tally *tally)
@@ -254,7 +256,8 @@ static inline void cml_tally_escape(const struct cml_setup *setup, const struct 
                  terminated->w[i], 1);
 }
 
-/* Adds entry i, which has left, to the bin of its direction. */
+/* Adds packet i of the collection, which has left the scene, to the bin of its direction: of Rd, of Tt, or
+ * of specular light. */
 static inline void cml_tally_direction(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                        int i, const struct cml_exit *exit, const struct cml_tally *tally)
 {
@@ -272,7 +275,7 @@ static inline real cml_lot_of(const struct cml_world *world, cml_u64 index)
     return cml_uniform(cml_draw(world->setup.stream, index, CML_PURPOSE_BRANCH, 0).w[0]);
 }
 
-/* Returns the light of entry i, which has left. */
+/* Returns packet i of the collection, which has left the scene, in the form in which detectors see light. */
 static inline struct cml_light_out cml_terminated_light(const struct cml_world *world,
                                                         const struct cml_terminated *terminated, int i,
                                                         const struct cml_exit *exit,

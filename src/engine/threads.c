@@ -19,7 +19,7 @@ struct thread {
     const struct cml_thread_task *task;
 };
 
-/* The function of a new thread: runs the task's body. */
+/* Runs the task's body on a new thread: the function with which pthread_create starts it. */
 static void *begin(void *thread)
 {
     const struct thread *self = thread;
@@ -55,7 +55,8 @@ static void bind_to_place(int place, pthread_attr_t *attributes)
     free(ids);
 }
 
-/* Starts a thread. Returns 0 if it runs, else an error number. */
+/* Starts a thread with its own stack size, bound to cores if OpenMP binds threads. Returns 0 if it runs,
+ * otherwise an error number. */
 static int start(struct thread *thread, int count)
 {
     pthread_attr_t attributes;
@@ -69,6 +70,8 @@ static int start(struct thread *thread, int count)
     return failed;
 }
 
+/* Runs a task on `count` threads, of which the caller is number 0, and waits for all. If fewer threads can
+ * be started, task->fewer is told before the caller begins. */
 void cml_run_threads(int count, const struct cml_thread_task *task)
 {
     struct thread *threads = count > 1 ? calloc((size_t)count, sizeof *threads) : NULL;

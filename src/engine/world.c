@@ -34,7 +34,8 @@ void cml_owned_world_free(struct cml_owned_world *to)
     *to = (struct cml_owned_world){0}; /* zeroed, so that a caller that frees the world again does no harm */
 }
 
-/* Allocates the arrays whose sizes are known from the surfaces. */
+/* Allocates the arrays of boundaries and media that kernels read. Bodies count as boundaries here, since
+ * both have surfaces. Rings belong to boundaries made of cones, depths and horizons to bounds of meshes. */
 static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_owned_world *to,
                            struct cml_error *err)
 {
@@ -63,6 +64,8 @@ static double phase_bytes(const struct cml_scene *scene)
            (sizeof(struct cml_phase_line) + sizeof(struct cml_phase_cell));
 }
 
+/* Returns the memory of the scene in the form that kernels read, in bytes. Boundaries and bodies have the
+ * same records, so they are counted together. */
 double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_owned_world all = counted(surfaces);
@@ -78,7 +81,8 @@ double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_s
            cml_source_bytes(scene);
 }
 
-/* Fills the media of layers and outside. */
+/* Fills the media of layers and of the outside as kernels read them: optics, thickness (span), depth, and
+ * depth in bins. */
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        struct cml_medium *media)
 {
@@ -128,8 +132,9 @@ static void copy_roughness(const struct cml_scene *scene, const struct cml_surfa
         set_roughness(&scene->media[cml_body_medium(scene, k)].rough, &to->surfaces[from->count + k].rough);
 }
 
-/* Copies the boundaries. `steepest` is raised by more than rounding can turn a direction: a packet that
- * leaves a surface more steeply must be sure never to meet it again. */
+/* Copies the boundaries into the form that kernels read, with the rings of those made of cones. `steepest`
+ * is raised by more than rounding can turn a direction: a packet that leaves a surface more steeply must be
+ * sure never to meet it again. */
 static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const size_t total = to->num_rings;
@@ -155,8 +160,9 @@ static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_w
     to->world.ring_start = to->ring_starts;
 }
 
-/* Numbers the facets: each boundary has its range among the facets of all. outer_facets stays empty for a
- * plane, because the map of Rd or Tt already holds what escapes through its pixels. */
+/* Numbers the facets of all boundaries and bodies in one sequence, in which each has a range. outer_facets
+ * (top, bottom) stays empty for a plane, because the map of Rd or Tt already holds what escapes through its
+ * pixels. */
 static void set_facets(const struct cml_surface_set *from, const struct cml_map_def *map,
                        struct cml_owned_world *to)
 {
@@ -179,7 +185,8 @@ static void set_facets(const struct cml_surface_set *from, const struct cml_map_
         to->world.setup.outer_facets[1] = to->surfaces[last].facets;
 }
 
-/* Copies the pyramids of depth bounds of all curved surfaces, one behind the other (kernels/bounds.h). */
+/* Copies the bounds of depth of all curved boundaries, one behind the other: pyramids of cells, each level
+ * half as fine as the one before (kernels/bounds.h). */
 static void copy_depths(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const size_t total = to->depth_cells;
@@ -209,7 +216,8 @@ static void copy_depths(const struct cml_surface_set *from, struct cml_owned_wor
     to->world.highest = to->depths + total;
 }
 
-/* Copies the horizons of the cells of all meshes. */
+/* Copies the horizons of all meshes into the arrays that kernels read. A horizon is a slope beyond which a
+ * packet in a cell clears the rest of the mesh; seen from below first, from above behind. */
 static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     size_t first = 0;
@@ -227,9 +235,9 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
     to->world.horizon_above = to->horizons + to->horizon_cells;
 }
 
-/* Copies the safe distances of meshes that overhang. The margin covers rounding, also for packets that are
- * outside the grid of cells by up to a safe distance. samples/manual/physics/free-paths.md derives both terms
- * of the margin. */
+/* Copies for meshes that overhang how far each cell of space is from the mesh. The margin covers rounding,
+ * also for packets that are outside the grid of cells by up to a safe distance;
+ * samples/manual/physics/free-paths.md derives both of its terms. */
 static void copy_safe_cells(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
     const double origin[3] = {from->origin.at[0], from->origin.at[1], 0};
@@ -267,7 +275,8 @@ static struct cml_phase_cell phase_cell_of(struct cml_phase_line line, double fr
     return outside && cell.slope >= 0 ? middle : cell;
 }
 
-/* Makes the tables of all phase functions of the scene, by their index. */
+/* Makes the tables of all tabulated and other non-standard phase functions, from which packets draw the
+ * deflection. only_tables: no medium scatters by Henyey-Greenstein's function. */
 static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_world *to,
                               struct cml_error *err)
 {
@@ -289,7 +298,7 @@ static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_wo
     return cml_arrays_check(&to->arrays, "phase functions", err);
 }
 
-/* Fills the grid of maps and volume; nx stays 0 if the scene asks for none. */
+/* Sets the grid of the surface map and the voxels for kernels; nx stays 0 if the scene asks for none. */
 static void set_map(const struct cml_scene *scene, struct cml_map *map)
 {
     const struct cml_map_def *def = &scene->map;
@@ -304,7 +313,7 @@ static void set_map(const struct cml_scene *scene, struct cml_map *map)
     map->top_bins = (real)(def->top / scene->dz);
 }
 
-/* Fills the gates of time. */
+/* Sets the time gates for kernels: their number, and gates per cm of optical path. */
 static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
 {
     if (time->gates == 0) return;
@@ -312,7 +321,7 @@ static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
     gates->per_cm = (real)(time->gates / (time->end * CML_LIGHT_CM_PER_PS));
 }
 
-/* Fills the bins of directions. */
+/* Sets the bins of directions for kernels: their numbers, and bins per radian. */
 static void set_directions(const struct cml_directions_def *def, struct cml_direction_bins *bins)
 {
     bins->nt = def->nt;
@@ -321,7 +330,8 @@ static void set_directions(const struct cml_directions_def *def, struct cml_dire
     bins->per_dp = (real)(def->np / 6.283185307179586);
 }
 
-/* Fills the marks of fluence. The grid of r and z begins at depth 0, the grid of voxels at its own top. */
+/* Sets how fluence is scored: the spacing of marks along paths. The grid of r and z begins at depth 0, the
+ * grid of voxels at its own top. */
 static void set_marks(const struct cml_tally_grid *grid, const struct cml_map *map, struct cml_marks *marks)
 {
     const real top = grid->phi_volume ? map->top_bins : 0;
@@ -350,7 +360,8 @@ static cml_status set_tail(const struct cml_scene *scene, const struct cml_flat_
     return CML_OK;
 }
 
-/* Fills the weight windows (P19). The table of the walk holds lower ends, a third of the target weights. */
+/* Fills the weight windows (P19): for each cell, the least weight of a packet, a third of the weight that
+ * packets should have there. */
 static cml_status set_windows(const struct cml_scene *scene, const double origin[2],
                               const struct cml_window_table *from, struct cml_owned_world *to,
                               struct cml_error *err)
@@ -392,8 +403,8 @@ static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *o
     return options->below > 0 ? given : mcml;
 }
 
-/* Fills the setup: everything that does not depend on the packet. Bin widths become their reciprocals, so
- * that a bin is found by a multiplication. */
+/* Fills the setup: what does not depend on the packet, such as seed, options, grid and map. Bin widths
+ * become their reciprocals, so that a bin is found by a multiplication. */
 static void set_up(const struct cml_scene *scene, const double origin[2],
                    const struct cml_engine_options *options, struct cml_setup *setup)
 {
@@ -428,7 +439,8 @@ static void set_up(const struct cml_scene *scene, const double origin[2],
     setup->r0_y = beam->radial ? (real)(origin[1] - beam->y) : setup->y0;
 }
 
-/* Makes the rows of a sweep (P16) as the walk reads them. */
+/* Makes the data of rows of a sweep that share a flight (P16): for each medium and row, by how much the
+ * row's mua exceeds the flown one, and the share that a sampled interaction adds to A(z). */
 static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                             const struct cml_engine_rows *rows, struct cml_owned_world *to,
                             struct cml_error *err)
@@ -453,7 +465,8 @@ static cml_status copy_rows(const struct cml_scene *scene, const struct cml_tall
     return CML_OK;
 }
 
-/* Makes the scores for derivatives (P17) as the walk reads them. */
+/* Makes the scores for derivatives (P17). Each medium has two rows: one for mua, one for mus, in this order.
+ * row_more: change per cm of path; row_hits: change per scattering. */
 static cml_status make_scores(const struct cml_scene *scene, const struct cml_tally_grid *grid,
                               struct cml_owned_world *to, struct cml_error *err)
 {
@@ -472,8 +485,8 @@ static cml_status make_scores(const struct cml_scene *scene, const struct cml_ta
     return CML_OK;
 }
 
-/* Makes the parts of the world in turn. Sources come after all surfaces, because the walk's own functions
- * find the medium in which a source lies. */
+/* Makes the scene in the form that kernels read: media, surfaces, bodies, beams, detectors. Beams come after
+ * all surfaces, because the walk's own functions find the medium in which a beam starts. */
 cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                   const struct cml_engine_options *options, struct cml_owned_world *to,
                                   struct cml_error *err)
@@ -512,7 +525,8 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     return status;
 }
 
-/* Makes a world only if a beam starts inside, because all other beams start in medium 0. */
+/* Finds the medium in which each beam starts. The scene is prepared for the walk only if a beam starts
+ * inside; all other beams start in medium 0, above. */
 cml_status cml_source_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                             int **medium, struct cml_error *err)
 {

@@ -12,6 +12,8 @@
  * box. */
 static const double err_box_share = 16 * (double)CML_EPSILON;
 
+/* Allocates the arrays of bodies that kernels read: bodies, nodes of the search tree, and grids with their
+ * cells. */
 static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
                                   struct cml_error *err)
 {
@@ -62,7 +64,8 @@ static void copy_body(const struct cml_scene *scene, const double origin[2],
     to->bodies[k].length = (real)convex.length;
 }
 
-/* Copies the tree of bodies. Boxes are in the precision of the kernels, enlarged by more than rounding. */
+/* Copies the search tree of bodies into the form that kernels read. Boxes are enlarged by more than rounding
+ * to the kernels' precision, so that no body reaches out of its box. */
 static void copy_tree(const struct cml_scene *scene, const double at[2], const struct cml_body_tree *tree,
                       struct cml_owned_world *to)
 {
@@ -88,7 +91,8 @@ static void copy_tree(const struct cml_scene *scene, const double at[2], const s
     }
 }
 
-/* Copies the grids over bodies. A cell names a body by its medium. */
+/* Copies the grids over bodies into the form that kernels read, relative to `origin`. A cell refers to a
+ * body by the number of the body's medium, -1 for none. */
 static void copy_grids(const struct cml_scene *scene, const double origin[2],
                        const struct cml_body_grids *grids, struct cml_owned_world *to)
 {

@@ -84,7 +84,7 @@ static void find_cells(const struct level *level, const struct rectangle *own, i
     *last = (int)fmin(most, floor((own->high[axis] - level->all.low[axis]) * per_cell + 0.01));
 }
 
-/* True if the ring itself reaches into a cell, and not only its hole. */
+/* True if the ring of a detector itself reaches into cell (ix, iy), and not only its hole. */
 static bool ring_reaches(const struct level *level, const struct cml_detector_def *def, int ix, int iy)
 {
     const int at[2] = {ix, iy};
@@ -99,8 +99,9 @@ static bool ring_reaches(const struct level *level, const struct cml_detector_de
     return hypot(farthest[0], farthest[1]) >= def->size[0] && hypot(closest[0], closest[1]) <= def->size[1];
 }
 
-/* Counts the detectors of every cell, or enters them into a list. next[n * n]: the number in each cell, or
- * the place where the cell's list goes on. Returns the number in all cells, or a number >= `most`. */
+/* Enters the detectors of a level into the grid's cells that they reach. In the first call, list is NULL,
+ * and next[n * n] counts the entries of each cell; in the second, next says where each cell's list goes on.
+ * Returns the number of entries, or a number >= `most` if there are too many. */
 static double fill_cells(const struct level *level, double most, int *next, int *list)
 {
     double entries = 0;
@@ -178,7 +179,9 @@ static cml_status choose_cells(struct level *level, int **count, double *entries
     }
 }
 
-/* Adds the detectors of one level, and the grid over them. */
+/* Adds the detectors at one depth, with a grid over them: each cell lists the detectors that reach into it,
+ * so that a packet asks few. The lists lie one behind the other; next[c] first counts those of cell c, then
+ * tells where the next entry goes. */
 static cml_status add_level(struct detection *d, struct level *level, struct cml_detector_level *made,
                             struct cml_error *err)
 {
@@ -272,8 +275,8 @@ static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_win
     return arc;
 }
 
-/* Fills the detectors in the order of the scene, and sorts their places into levels, each with a grid of
- * cells. */
+/* Makes the detectors in the form that the walk reads: in the order of the scene, and sorted into levels
+ * (planes of one depth), each with a grid of cells. */
 cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                              const struct cml_window_table *windows, struct cml_owned_world *to,
                              struct cml_error *err)

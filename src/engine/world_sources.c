@@ -48,7 +48,8 @@ static size_t image_words(const struct cml_beam *beam)
                : 0;
 }
 
-/* Fills the words of an image: its rows, then the columns of every row. */
+/* Sums the pixels of a beam's image into words by which packets draw a row, then a column of the row: first
+ * the sums over rows, then those of each row. */
 static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct cml_error *err)
 {
     const size_t columns = (size_t)beam->columns;
@@ -89,7 +90,8 @@ static double light_between(double a, double b, double t0, double t1)
            ((a + b * t0) * sin(t0) + 4 * (a + b * middle) * sin(middle) + (a + b * t1) * sin(t1));
 }
 
-/* Appends the lit cells between two rows of a table. *below: the light of all cells before. */
+/* Appends the cells of a light's table between two of its rows, from which packets draw their angle; dark
+ * cells are left out. *below: the light of all cells before. Returns the number of cells. */
 static int cut_row(const struct cml_light *light, int row, struct cml_light_cell *cell, double *sum,
                    double *below)
 {
@@ -111,7 +113,8 @@ static int cut_row(const struct cml_light *light, int row, struct cml_light_cell
     return count;
 }
 
-/* Cuts a table into cells, and leaves out cells that no word leads to. Returns the number of cells. */
+/* Cuts a light's table into cells from which packets draw their angle, and leaves out cells that no random
+ * word leads to. Returns the number of cells. */
 static int cut_table(const struct cml_light *light, struct cml_light_cell *cell, double *sum)
 {
     double all = 0;
@@ -141,7 +144,9 @@ static void split_specular(const struct cml_scene *scene, const struct cml_surfa
     source->between = (cml_u32)lrint(split.between * CML_WEIGHT_ONE);
 }
 
-/* Fills the shape of a source (struct cml_source). */
+/* Sets the two sizes a and b of a source by its beam's shape, in the form the drawing of places needs: for a
+ * ring the squared inner radius and the difference of squares, for a rectangle half widths, for an image the
+ * size of a pixel. */
 static void set_shape(const struct cml_beam *beam, struct cml_source *source)
 {
     const double a = beam->size[0], b = beam->size[1];
@@ -161,7 +166,8 @@ static void set_shape(const struct cml_beam *beam, struct cml_source *source)
     }
 }
 
-/* Fills the kind and width of a source's light. */
+/* Sets how the directions of a source's light are drawn: parallel, even in a cone, by cosine, or by a table.
+ * Isotropic light is even in a cone of width 1 - cos = 2. */
 static void set_light(const struct cml_light *light, struct cml_source *source)
 {
     static const int lights[] = {CML_LIGHT_PARALLEL, CML_LIGHT_EVEN, CML_LIGHT_COSINE, CML_LIGHT_EVEN,
@@ -171,7 +177,7 @@ static void set_light(const struct cml_light *light, struct cml_source *source)
     source->spread = (real)(light->kind == CML_LIGHT_OF_ISOTROPIC ? 2 : 0);
 }
 
-/* Fills the axis of a source, and two unit vectors across it. */
+/* Sets the axis of a source, and two unit vectors across it, along which its shape lies. */
 static void set_axis(const struct cml_beam *beam, struct cml_source *source)
 {
     const double st = cml_beam_sine(beam), ct = cml_beam_descent(beam), sp = sin(beam->azimuth),
@@ -183,7 +189,8 @@ static void set_axis(const struct cml_beam *beam, struct cml_source *source)
 
 /* ---- inside ---- */
 
-/* Returns the layer or outer medium at a depth, by the depths of frames. *at: the place in its frame. */
+/* Returns the layer or outer medium at the beam's place plus `off`, by the depth. *at: this place in the
+ * medium's frame. */
 static int layer_at(const struct cml_world *world, const struct cml_beam *beam, const double off[3],
                     struct cml_vec *at)
 {
@@ -216,9 +223,8 @@ static double least_gap(const struct cml_scene *scene, const struct cml_world *w
            1e-9 * fmax(scene->nr * scene->dr, scene->nz * scene->dz);
 }
 
-/* Refuses a start on a surface, where the medium is uncertain. Tests the 26 neighbours in a cube of half side
- * `gap` about the start (and, as k = 13, the start itself): if one lies in another medium, a surface is near.
- */
+/* Refuses a beam that starts on a surface, where its medium is uncertain. Tests the 3 x 3 x 3 points of a
+ * cube with half side `gap` about the start: if one of them lies in another medium, a surface is near. */
 static cml_status check_place(const struct cml_scene *scene, const struct cml_world *world,
                               const struct cml_beam *beam, int medium, struct cml_error *err)
 {
@@ -289,8 +295,8 @@ static double way_to_level(const struct cml_beam *beam, const double level[2])
     return 0;
 }
 
-/* Places a far source: its packets start where its axis comes to the scene, which is found in double
- * precision. */
+/* Places a source that is far from the scene: packets start where its axis comes to the level `level`, found
+ * in double precision. Refuses a source so far that even double precision loses the place. */
 static cml_status place_far(const struct cml_scene *scene, const struct cml_beam *beam,
                             const struct cml_surface_set *surfaces, const double level[2], double way,
                             struct cml_source *source, struct cml_error *err)
@@ -336,7 +342,8 @@ static cml_status check_flight(const struct cml_scene *scene, const struct cml_b
 
 /* ---- near ---- */
 
-/* Places a beam that starts at a depth of its own, near or far from the scene. */
+/* Fills in a beam that starts inside the scene, at a depth of its own: where it starts, in which medium, and
+ * how it is drawn. */
 static cml_status place_inside(const struct cml_scene *scene, const struct cml_beam *beam,
                                const struct cml_surface_set *surfaces, const struct cml_world *world,
                                struct cml_source *source, struct cml_error *err)
@@ -382,6 +389,7 @@ static cml_status place_above(const struct cml_scene *scene, const struct cml_be
 
 /* ---- all beams ---- */
 
+/* Returns the memory of all beams in the form that kernels read, in bytes. */
 double cml_source_bytes(const struct cml_scene *scene)
 {
     double bytes = 0;
@@ -393,6 +401,8 @@ double cml_source_bytes(const struct cml_scene *scene)
     return bytes;
 }
 
+/* Allocates the arrays of beams that kernels read. Tables of light and images of all beams lie one behind
+ * the other. */
 static cml_status allocate_sources(const struct cml_scene *scene, struct cml_owned_world *to,
                                    struct cml_error *err)
 {
@@ -406,7 +416,8 @@ static cml_status allocate_sources(const struct cml_scene *scene, struct cml_own
     return cml_arrays_check(&to->arrays, "the beams", err);
 }
 
-/* Fills the tables and images of all beams, one behind the other. */
+/* Makes the tables of light and the sums of images of all beams in the form that kernels read. All beams
+ * share two arrays, and each source knows where its own part begins. */
 static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_world *to,
                               struct cml_error *err)
 {
@@ -428,6 +439,7 @@ static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_wo
     return status;
 }
 
+/* Returns the medium in which the middle of a beam lies; 0 is the medium above, where most beams start. */
 int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam)
 {
     static const double none[3] = {0, 0, 0};

@@ -9,7 +9,8 @@ static double *row_of(double *matrix, int n, int i)
     return matrix + (size_t)i * (size_t)n;
 }
 
-/* True if row i is full. Calls must come with rising i; *next counts the full rows met until now, from 0. */
+/* True if row i of a matrix is full: it may have other elements than its diagonal. Calls must come with
+ * rising i; *next counts the full rows met until now, from 0. */
 static bool is_full(const struct cml_dense_kind *kind, int i, int *next)
 {
     const bool full = *next < kind->num_full && kind->full[*next] == i;
@@ -36,6 +37,8 @@ void cml_dense_add_row_product(const struct cml_dense_kind *kind, const double *
         if (!is_full(kind, k, &met)) c[k] += a[k] * b[(size_t)k * (size_t)n + (size_t)k];
 }
 
+/* Adds the matrix product a b to c. Rows that are zero except for their diagonal number (not in kind->full)
+ * cost one multiplication. */
 void cml_dense_add_product(const struct cml_dense_kind *kind, int more, const double *a, const double *b,
                            double *c)
 {
@@ -49,6 +52,7 @@ void cml_dense_add_product(const struct cml_dense_kind *kind, int more, const do
     }
 }
 
+/* Adds the product of two matrices without special rows to c. The loops run in the order of memory. */
 void cml_dense_add_general(int rows, int middle, int columns, const double *restrict a,
                            const double *restrict b, double *restrict c)
 {
@@ -60,7 +64,7 @@ void cml_dense_add_general(int rows, int middle, int columns, const double *rest
         }
 }
 
-/* to[j] -= factor from[j] for first <= j < end */
+/* Subtracts a multiple of one row from another: to[j] -= factor from[j] for first <= j < end. */
 static void subtract(double factor, const double *restrict from, double *restrict to, int first, int end)
 {
     for (int j = first; j < end; j++) to[j] -= factor * from[j];
@@ -81,7 +85,8 @@ static void factorise(const struct cml_dense_kind *kind, double *a)
     }
 }
 
-/* Replaces the matrix b by b a^-1. A row of b that is not full has only its diagonal element. */
+/* Replaces the matrix b by b a^-1, which destroys a. b has `more` rows more than a. A row of b that is not
+ * full has only its diagonal element, so it is divided by that of a. */
 void cml_dense_divide(const struct cml_dense_kind *kind, int more, double *a, double *b)
 {
     const int n = kind->n;

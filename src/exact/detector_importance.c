@@ -60,12 +60,13 @@ static void cut(const struct cml_medium_def *media, int layers, double reach, do
     for (int i = 0; i <= to->rings; i++) to->border[i] = reach * pow((double)i / to->rings, 2);
 }
 
+/* Returns the area of a ring around the axis, cm2. */
 static double area(const struct volumes *volumes, int ring)
 {
     return M_PI * (pow(volumes->border[ring + 1], 2) - pow(volumes->border[ring], 2));
 }
 
-/* Returns the area of a ring that the detector sees, cm^2. */
+/* Returns how much of a ring's area the detector sees, cm2. */
 static double seen_area(const struct volumes *volumes, int ring, struct cml_seen_ring seen)
 {
     const double inner = fmax(seen.inner, volumes->border[ring]),
@@ -88,7 +89,8 @@ static double flow_out(const struct volumes *volumes, int ring, int piece)
            (border[ring + 2] - border[ring]);
 }
 
-/* Sets the matrix row of a volume, and its source: the flow into it from the detector. */
+/* Sets one row of the equations of diffusion for the importance of light: flows between volume (ring, piece)
+ * and its neighbours, absorption, and as source the flow from the detector. `band` is a band matrix. */
 static void set_row(struct volumes *volumes, int ring, int piece, struct cml_seen_ring seen)
 {
     const int n = volumes->pieces, k = ring * n + piece;
@@ -114,6 +116,7 @@ static void set_row(struct volumes *volumes, int ring, int piece, struct cml_see
     }
 }
 
+/* Returns the scalar product of two vectors of n numbers. */
 static double dot(const double *a, const double *b, int n)
 {
     double sum = 0;
@@ -121,8 +124,8 @@ static double dot(const double *a, const double *b, int n)
     return sum;
 }
 
-/* Solves the equations by Cholesky's factors, which replace the matrix. The matrix is an M-matrix, so that no
- * digits cancel. */
+/* Solves the equations of the volumes by Cholesky's factors of the band matrix, which replace it. The matrix
+ * is an M-matrix (negative off the diagonal), so no digits cancel. */
 static void solve(struct volumes *volumes)
 {
     const int n = volumes->pieces, all = volumes->rings * n;
@@ -166,7 +169,8 @@ static void *doubles(struct cml_arrays *arrays, size_t count)
     return cml_arrays_add(arrays, count, sizeof(double));
 }
 
-/* Computes the importance of light by ring and depth, from the diffusion equation in finite volumes. */
+/* Computes how much light at each distance from the axis (ring) and each depth matters for what a detector
+ * sees: the diffusion equation, solved in finite volumes. */
 cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers, struct cml_seen_ring seen,
                                    double reach, double depth, int rings, int cells, double *value,
                                    struct cml_error *err)

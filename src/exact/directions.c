@@ -19,7 +19,8 @@ static double legendre(int n, double x, double *slope)
     return p;
 }
 
-/* Finds the node by Newton's method from Tricomi's first guess. */
+/* Returns node i of Gauss's quadrature with n nodes on [-1, 1] and its weight: Newton's method from
+ * Tricomi's first guess. */
 double cml_gauss_node(int n, int i, double *weight)
 {
     double x = cos(CML_PI * (i + 0.75) / (n + 0.5)), slope = 1;
@@ -86,9 +87,9 @@ static int gathered_nodes(int order)
     return least(8 + order / 4, 64);
 }
 
-/* Adds directions that stand for light with spread directions in one interval. The light is gathered at nodes
- * in the same cosine as in add_interval, because all effects of the light are smooth functions of that
- * cosine. x, gathered: [num_samples], scratch. */
+/* Adds directions that stand for light spread over many directions, such as a cone. The light between the
+ * critical angles of two indices (below, above) is moved to a few fixed directions, because all its effects
+ * are smooth functions of the cosine. x, gathered: scratch. */
 static void add_gathered(struct cml_directions *to, const struct cml_exact_light *light, double n0,
                          double below, double above, int order, double *x, struct cml_exact_ray *gathered)
 {
@@ -109,7 +110,8 @@ static void add_gathered(struct cml_directions *to, const struct cml_exact_light
     for (int i = 0; i < count; i++) add_direction(to, above, cml_exact_node(low, high, count, i), 0);
 }
 
-/* Adds all directions. The directions of beams come before the first interval that ends beyond their s. */
+/* Adds all directions of a stack, interval by interval: those of beams, those of spread light, and the nodes
+ * of the quadrature. An interval lies between the critical angles of two neighbouring indices. */
 static void add_all(struct cml_directions *to, const double *index, int distinct, double n0,
                     const struct cml_exact_light *light, int order, double *x, struct cml_exact_ray *gathered)
 {
@@ -128,11 +130,14 @@ static void add_all(struct cml_directions *to, const double *index, int distinct
     }
 }
 
+/* Returns the cosine of direction i in a medium of index n, by Snell's law. */
 double cml_directions_cosine(const struct cml_directions *directions, int i, double n)
 {
     return refracted_cosine(directions->index[i], directions->cosine[i], n);
 }
 
+/* Describes which rows of a matrix between the first n directions are full: those of directions with weight.
+ * Directions without weight receive light only from themselves. */
 struct cml_dense_kind cml_directions_kind(const struct cml_directions *directions, int n)
 {
     int full = 0;
@@ -196,6 +201,7 @@ void cml_directions_clear(struct cml_directions *directions)
     *directions = (struct cml_directions){0};
 }
 
+/* Allocates the tables of directions for `most` directions at most, and num_media media. */
 static cml_status allocate(int num_media, int most, struct cml_directions *to, struct cml_error *err)
 {
     *to = (struct cml_directions){.num_media = num_media};

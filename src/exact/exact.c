@@ -129,8 +129,9 @@ static cml_status find_spread(struct search *search, const struct cml_directions
     return CML_OK;
 }
 
-/* Computes the shares of one order and stores them as the newest. The oldest of three orders is
- * overwritten. */
+/* Computes all totals with one number of directions (order) and keeps them as the newest of the last three
+ * orders, from which errors are estimated. find_spread solves again for each part of the walks, so the
+ * energy defect of the mean is put back afterwards. */
 static cml_status solve_order(struct search *search, const struct cml_directions *directions, int order,
                               struct cml_error *err)
 {
@@ -146,8 +147,8 @@ static cml_status solve_order(struct search *search, const struct cml_directions
     return CML_OK;
 }
 
-/* Makes walks at every rough boundary. Light in a beam's own directions reaches only the uppermost rough
- * boundary. */
+/* Computes the response of every rough boundary by random walks. lit: light in a beam's own direction
+ * reaches only the uppermost rough boundary. */
 static cml_status walk_boundaries(struct search *search, const struct cml_directions *directions, int order,
                                   struct cml_error *err)
 {
@@ -219,6 +220,7 @@ static bool estimate(const struct search *search, struct cml_exact *exact)
     return search->num_rough > 0 && most <= 2 * most_spread;
 }
 
+/* Returns the largest error among all totals and layers. */
 double cml_exact_worst(const struct cml_exact *exact)
 {
     double worst = 0;
@@ -233,8 +235,8 @@ void cml_exact_clear(struct cml_exact *exact)
     *exact = (struct cml_exact){0};
 }
 
-/* Sets search->enough if the first three orders, without which there is no estimate of errors, are too much
- * work. Does so before any of this work is done. */
+/* Estimates the work of the first LEAST_ORDERS orders, without which there is no estimate of errors. Sets
+ * search->enough if that is already too much, before any of the work is done. */
 static cml_status look_ahead(struct search *search, struct cml_error *err)
 {
     double sum = 0;
@@ -249,7 +251,8 @@ static cml_status look_ahead(struct search *search, struct cml_error *err)
     return CML_OK;
 }
 
-/* Raises the order until all errors are within the tolerance. */
+/* Computes the totals with more and more directions (orders) until all errors are within the tolerance, or
+ * the work is too much. */
 static cml_status converge(struct search *search, struct cml_exact *exact, struct cml_error *err)
 {
     CML_TRY(look_ahead(search, err));
@@ -266,6 +269,8 @@ static cml_status converge(struct search *search, struct cml_exact *exact, struc
                     search->options->most_work);
 }
 
+/* Allocates what the search for converged totals needs: the totals of the last three orders, and the spread
+ * of walks at rough boundaries. */
 static cml_status allocate(struct cml_arrays *arrays, struct search *search, struct cml_error *err)
 {
     const size_t boundaries = (size_t)search->num_layers + 1, count = (size_t)search->count;

@@ -21,12 +21,15 @@ struct pieces {
     double *absorbed;             /* [count] share of the light that each piece absorbs */
 };
 
+/* Returns into how many pieces a layer of thickness d is cut: by its share of the whole depth, and two
+ * more. */
 static int pieces_of(double d, double depth)
 {
     return 2 + (int)(PIECES * d / depth);
 }
 
-/* Fills in the pieces of all layers, from below. */
+/* Cuts all layers into thin pieces, from below, in whose middles the importance of light is computed. The
+ * importance is read from absorption, so clear layers get a trace of it. */
 static void cut(const struct cml_medium_def *media, int layers, double depth, struct pieces *to)
 {
     double bottom = depth;
@@ -85,7 +88,8 @@ static void interpolate(const struct pieces *pieces, double depth, int cells, do
     }
 }
 
-/* Computes the importance of light by depth, for light that comes out below. */
+/* Computes for each depth how likely light there comes out below the layers. By reciprocity this is the
+ * fluence that light from below would cause there. */
 cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layers, int cells, double *value,
                                    struct cml_error *err)
 {

@@ -34,6 +34,7 @@ struct work {
     double *moment;          /* [terms + 1] Legendre moments of the phase function */
 };
 
+/* Allocates the scratch arrays for the response of one layer; n is the number of directions. */
 static void allocate_work(struct cml_arrays *arrays, struct work *w)
 {
     const size_t n = (size_t)w->n;
@@ -103,8 +104,9 @@ static void transfer(struct work *w, double *Q, double *P)
     }
 }
 
-/* Computes X = A s (c + A s)^-1 with c = cosh(h sqrt(K) / 2), s = sinh(h sqrt(K) / 2) / sqrt(K), K = B A, as
- * power series. row: [n], replaced by row s (c + A s)^-1; or NULL. X, c, s, power: [n + 1][n]. */
+/* Computes the matrix X = A s (c + A s)^-1 of half a thin layer, where c = cosh(h sqrt(K) / 2), s = sinh(h
+ * sqrt(K) / 2) / sqrt(K) and K = B A are power series. row: [n], replaced by row s (c + A s)^-1; or NULL. X,
+ * c, s, power: [n + 1][n]. */
 static void half_response(struct work *w, double h, const double *A, const double *B, double *row, double *X)
 {
     const int n = w->n;
@@ -134,7 +136,8 @@ static void half_response(struct work *w, double h, const double *A, const doubl
     if (row) memcpy(row, X + size, (size_t)n * sizeof *row);
 }
 
-/* Computes the response of a thin layer of thickness h: R + T - 1 = -2 X(Q, P), R - T + 1 = 2 X(P, Q). */
+/* Computes the response of a layer so thin (thickness h) that doubling can begin: R + T - 1 = -2 X(Q, P), R
+ * - T + 1 = 2 X(P, Q). */
 static void start(struct work *w, double h, struct cml_layer_response *to)
 {
     const int n = w->n;
@@ -149,9 +152,9 @@ static void start(struct work *w, double h, struct cml_layer_response *to)
     }
 }
 
-/* Doubles a layer: puts an equal layer below it. e is `through`, and X = (1 - R R)^-1 - 1. The light between
- * the two layers is W = (1 + X) R T upwards and (1 + X) T = e + B downwards, where B = U + e X + X U. T
- * becomes e + e U + e B + U B, and R grows by T W. */
+/* Doubles a layer: computes the response of two equal layers, one upon the other. e is `through`, and X = (1
+ * - R R)^-1 - 1. The light between the two is W = (1 + X) R T upwards and (1 + X) T = e + B downwards, where
+ * B = U + e X + X U. T becomes e + e U + e B + U B, and R grows by T W. */
 static void double_layer(struct work *w, struct cml_layer_response *to)
 {
     const int n = w->n;
@@ -238,7 +241,8 @@ void cml_layer_response_clear(struct cml_layer_response *response)
     *response = (struct cml_layer_response){0};
 }
 
-/* Sets the cosines and weights of all directions in this layer. */
+/* Computes the cosine of each direction in this layer, and the weight of the direction in sums over angles.
+ * Directions are fixed by index times sine, which all layers share. */
 static void set_cosines(const struct cml_directions *directions, struct work *w)
 {
     const double n = w->medium->n;
@@ -249,7 +253,7 @@ static void set_cosines(const struct cml_directions *directions, struct work *w)
 }
 
 /* Computes the response of a layer: by doubling a very thin layer, or directly if the medium does not
- * scatter. */
+ * scatter. count: number of directions; terms: Legendre terms of the phase function. */
 cml_status cml_layer_response_create(const struct cml_medium_def *medium,
                                      const struct cml_directions *directions, int count, int terms,
                                      struct cml_layer_response *to, struct cml_error *err)

@@ -35,11 +35,14 @@ static void piece_of(const struct cml_light *light, double n, int piece, double 
     ends[1] = table ? light->t[piece + 1] : cml_light_widest(light, n);
 }
 
+/* Returns into how many panels a piece of the angle is divided for Gauss's quadrature. */
 static int panels_of(const double ends[2])
 {
     return (int)ceil((ends[1] - ends[0]) / PANEL);
 }
 
+/* Returns how many azimuths stand for a cone of light: one for a vertical beam, around which all are
+ * alike. */
 static int azimuths_of(const struct cml_beam *beam)
 {
     return beam->angle == 0 ? 1 : AZIMUTHS;
@@ -58,7 +61,8 @@ static int samples_of(const struct cml_beam *beam, double n)
     return 3 * panels * azimuths_of(beam);
 }
 
-/* Adds rays at the angle t to the axis. Returns their number. */
+/* Adds rays at the angle t from a beam's axis, evenly around it; only their angle to the vertical counts.
+ * Returns their number. */
 static int add_cone(const struct cml_beam *beam, double t, double weight, struct cml_exact_ray *ray)
 {
     const int count = azimuths_of(beam);
@@ -70,7 +74,8 @@ static int add_cone(const struct cml_beam *beam, double t, double weight, struct
     return count;
 }
 
-/* Fills in the rays of one beam, which together have the beam's share. Returns their number. */
+/* Replaces the light of one beam by rays, whose shares add up to the beam's: Gauss's quadrature with three
+ * nodes a panel over the angle, and directions evenly around the axis. Returns the number of rays. */
 static int sample_beam(const struct cml_beam *beam, double n, double share, struct cml_exact_ray *ray)
 {
     static const double node[] = {-0.7745966692414834, 0, 0.7745966692414834}, weight[] = {5, 8, 5};
@@ -92,12 +97,14 @@ static int sample_beam(const struct cml_beam *beam, double n, double share, stru
     return count;
 }
 
+/* Orders rays by falling cosine, the steepest first. */
 static int compare_rays(const void *a, const void *b)
 {
     const double x = ((const struct cml_exact_ray *)a)->cosine, y = ((const struct cml_exact_ray *)b)->cosine;
     return (x < y) - (x > y);
 }
 
+/* True if the light of a beam is spread over a cone or given by a table. */
 static bool is_spread(const struct cml_beam *beam)
 {
     return beam->light.kind == CML_LIGHT_OF_NA || beam->light.kind == CML_LIGHT_OF_TABLE;
@@ -112,6 +119,7 @@ static bool comes_from_above(const struct cml_scene *scene, double top, int k)
                              beam->angle + widest <= CML_PI / 2 + rounding);
 }
 
+/* True if all beams start above all layers. */
 static bool all_come_from_above(const struct cml_scene *scene, double top)
 {
     int k = 0;
@@ -119,6 +127,8 @@ static bool all_come_from_above(const struct cml_scene *scene, double top)
     return k == scene->num_beams;
 }
 
+/* Refuses beams that do not come from above all layers, because adding-doubling knows no sources inside.
+ * top: depth of the highest boundary, cm. */
 static cml_status check_beams(const struct cml_scene *scene, double top, struct cml_error *err)
 {
     char value[40];
@@ -132,12 +142,14 @@ static cml_status check_beams(const struct cml_scene *scene, double top, struct 
     return CML_OK;
 }
 
+/* True if adding-doubling can compute this scene: light from above, and no backing of metal. */
 bool cml_exact_knows(const struct cml_scene *scene, double top)
 {
     return scene->backing.kind != CML_BACKING_METAL && all_come_from_above(scene, top);
 }
 
-/* Collects the light of all beams of a scene. */
+/* Collects the light of all beams by direction: parallel beams as rays, steepest first; diffuse light as one
+ * share; cones and tables as samples of many directions. top: beams must start above this depth, cm. */
 cml_status cml_exact_light_create(const struct cml_scene *scene, double top, struct cml_exact_light *light,
                                   struct cml_error *err)
 {
@@ -177,6 +189,7 @@ void cml_exact_light_clear(struct cml_exact_light *light)
     *light = (struct cml_exact_light){0};
 }
 
+/* Returns the share of the light that comes in exactly vertically. Such beams stand first in the list. */
 double cml_exact_light_normal(const struct cml_exact_light *light)
 {
     double share = 0;
@@ -184,12 +197,15 @@ double cml_exact_light_normal(const struct cml_exact_light *light)
     return share;
 }
 
+/* Returns node i of Chebyshev's nodes between low and high, at which interpolation is most accurate. */
 double cml_exact_node(double low, double high, int count, int i)
 {
     return 0.5 * (low + high) + 0.5 * (high - low) * cos(CML_PI * (i + 0.5) / count);
 }
 
-/* Barycentric interpolation [Berrut, Trefethen, SIAM Review 46 (2004) 501]. */
+/* Moves the light of all samples to `count` fixed directions (nodes between `low` and `high`), so that any
+ * smooth response summed over the nodes equals the one over the samples: barycentric interpolation [Berrut,
+ * Trefethen, SIAM Review 46 (2004) 501]. x[k]: direction of sample k. */
 void cml_exact_gather(const double *x, const struct cml_exact_ray *sample, int samples, double low,
                       double high, int count, double *share)
 {

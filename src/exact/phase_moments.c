@@ -30,6 +30,7 @@ static void add_power(double g, double share, int count, double *moment)
     for (int l = 0; l < count; l++) moment[l] += share * (g < 0 && l % 2 ? -1 : 1) * pow(fabs(g), l);
 }
 
+/* Returns the angle of a deflection 1 - cos(theta), rad, without loss of digits at small angles. */
 static double angle_of(double deflection)
 {
     return 2 * asin(fmin(sqrt(deflection / 2), 1));
@@ -55,9 +56,9 @@ static void add_interval(const struct cml_phase *phase, double low, double high,
     }
 }
 
-/* Integrates the moments interval by interval. For a table these lie between its rows. For other functions
- * they begin at the preferred direction, with a width over which the function is nearly constant, and each is
- * twice as long as the one before. */
+/* Integrates the Legendre moments of a phase function interval by interval. A table has an interval between
+ * each two rows. Other functions have intervals from the preferred direction on, each twice as long as the
+ * one before. */
 static cml_status integrate(const struct cml_phase *phase, int count, double *moment, struct cml_error *err)
 {
     struct rule rule = {.most = 32 + 2 * count};
@@ -77,7 +78,8 @@ static cml_status integrate(const struct cml_phase *phase, int count, double *mo
     return CML_OK;
 }
 
-/* Computes the Legendre moments of a medium's phase function. */
+/* Computes the first `count` Legendre moments of a medium's phase function. Henyey-Greenstein functions have
+ * the moments g^l; a share of cos^2 adds to moment 2; others are integrated. */
 cml_status cml_phase_moments(const struct cml_medium_def *medium, int count, double *moment,
                              struct cml_error *err)
 {

@@ -16,6 +16,7 @@ extern cml_rough_walker *const cml_rough_walker_base;
 extern cml_rough_walker *const cml_rough_walker_v3, *const cml_rough_walker_v4;
 #endif
 
+/* Returns the walks at rough boundaries as compiled for the best instructions of this processor. */
 static cml_rough_walker *best_walker(void)
 {
 #ifdef CML_X86_LEVELS
@@ -52,7 +53,8 @@ static void add_interval(struct work *w, struct cml_rough_interval *to, int firs
     }
 }
 
-/* Finds the intervals between indices, each with its nodes. */
+/* Finds the intervals of directions between neighbouring refractive indices, each with its own nodes of
+ * quadrature. */
 static void find_intervals(struct work *w)
 {
     const struct cml_directions *d = w->directions;
@@ -84,12 +86,14 @@ static int count_walks(const struct work *w, int j, bool from_below, double walk
 
 /* ---- matrices ---- */
 
+/* Returns the weight of direction i, which counts those above the boundary first, then those below. */
 static double etendue(const struct work *w, int i)
 {
     return w->directions->etendue[i < w->above ? i : i - w->above];
 }
 
-/* Makes all pairs of nodes reciprocal. The diagonal compensates the power that a column gains or loses. */
+/* Makes the walked powers of each pair of directions reciprocal, as physics demands. The diagonal
+ * compensates the power that a column gains or loses. */
 static void symmetrise(const struct work *w)
 {
     const int n = w->all;
@@ -120,7 +124,8 @@ static void set_matrices(const struct work *w, struct cml_rough_matrices *to)
         }
 }
 
-/* Makes the walks of one part, from all directions on both sides. */
+/* Makes one part of the random walks among facets of a rough boundary, from every direction on both sides,
+ * and sums where they end. Directions 0 to above - 1 come from above, the others from below. */
 static void walk_part(const struct work *w, int part, double walks, struct cml_rough_matrices *to)
 {
     const struct cml_rough_plane *plane = w->plane;
@@ -147,6 +152,8 @@ static void walk_part(const struct work *w, int part, double walks, struct cml_r
     set_matrices(w, to);
 }
 
+/* Allocates reflection and transmission matrices of a rough boundary for light from above (R, T) and from
+ * below. */
 static struct cml_rough_matrices matrices_of(const struct work *w, struct cml_arrays *arrays)
 {
     const size_t above = (size_t)w->above, below = (size_t)w->below;
@@ -156,11 +163,14 @@ static struct cml_rough_matrices matrices_of(const struct work *w, struct cml_ar
                                        .T_below = cml_arrays_add(arrays, above * below, sizeof(double))};
 }
 
+/* Adds a part's matrix to the mean over all parts. */
 static void add_mean(const double *part, size_t count, double *mean)
 {
     for (size_t i = 0; i < count; i++) mean[i] += part[i] / CML_ROUGH_PARTS;
 }
 
+/* Walks all parts of the sample and sums their matrices into the mean. Standard errors come from the spread
+ * of the parts. */
 static void fill(const struct work *w, double walks, struct cml_rough_response *to)
 {
     const size_t above = (size_t)w->above, below = (size_t)w->below;
@@ -180,7 +190,8 @@ void cml_rough_response_clear(struct cml_rough_response *response)
     *response = (struct cml_rough_response){0};
 }
 
-/* Estimates the matrices of a rough boundary by random walks from all directions on both sides. */
+/* Estimates the matrices of a rough boundary by random walks from all directions on both sides. above,
+ * below: numbers of directions on both sides. */
 cml_status cml_rough_response_create(const struct cml_rough_plane *plane,
                                      const struct cml_directions *directions, int above, int below,
                                      double walks, unsigned seed, struct cml_rough_response *to,

@@ -54,8 +54,8 @@ static void turn(const struct walks *w, struct cml_rough_walk *walk, struct cml_
     *walk = cml_rough_turn(*walk, m, n[walk->beyond], n[!walk->beyond], word);
 }
 
-/* Continues a walk behind its first facet. If the walk meets too many facets, its power goes into its last
- * direction. */
+/* Continues a walk from its first facet to its end, and adds its power to the direction in which it leaves.
+ * A walk that meets too many facets ends in its last direction. */
 static void finish(struct walks *w, struct cml_rough_walk walk, int k, double power)
 {
     for (walk.steps = 1; walk.steps < CML_ROUGH_LIMIT; walk.steps++) {
@@ -70,9 +70,9 @@ static void finish(struct walks *w, struct cml_rough_walk walk, int k, double po
     arrive(w, &walk, power);
 }
 
-/* Makes one walk. At the first facet the power divides into reflection and transmission, which saves most of
- * the noise. The word that decides between them is 0, the smallest number, for reflection, and all ones, the
- * largest, for transmission. */
+/* Makes one walk over the facets of a rough boundary. At the first facet the power divides into a reflected
+ * and a transmitted part, both of which are followed, because this saves most of the noise. The word 0
+ * forces reflection, all ones transmission. */
 static void walk(struct walks *w, int k, double power)
 {
     const double sine = sqrt(1 - w->start->cosine * w->start->cosine);
@@ -99,7 +99,8 @@ static void walk(struct walks *w, int k, double power)
     w->stream.key[3] = 0;
 }
 
-/* Makes all walks of one call: a cml_rough_walker. */
+/* Makes all walks that start in one direction: a cml_rough_walker. back, beyond: what ends on the side of
+ * the start, and on the other side, by direction. */
 static void walk_all(const struct cml_rough_start *start, const struct cml_rough_interval *interval,
                      double *share, double *back, double *beyond)
 {

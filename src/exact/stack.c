@@ -41,6 +41,8 @@ struct stack {
     double *share;       /* [num_blocks][most + BLOCK_LAYERS][most] shares of all blocks */
 };
 
+/* Returns Fresnel's reflectance of unpolarised light between indices n1 and n2; c1 and c2 are the cosines on
+ * both sides. A cosine of 0 means total reflection. */
 double cml_stack_fresnel(double n1, double c1, double n2, double c2)
 {
     if (!(c1 > 0 && c2 > 0)) return 1;
@@ -48,6 +50,8 @@ double cml_stack_fresnel(double n1, double c1, double n2, double c2)
     return (s * s + p * p) / 2;
 }
 
+/* Allocates the matrices and blocks of a stack of layers. A block keeps the shares of up to BLOCK_LAYERS
+ * layers; with one block for all, memory would grow with the square of the number of layers. */
 static cml_status allocate(struct stack *stack, const struct cml_directions *directions,
                            struct cml_error *err)
 {
@@ -64,9 +68,9 @@ static cml_status allocate(struct stack *stack, const struct cml_directions *dir
     return cml_arrays_check(&stack->arrays, "layers", err);
 }
 
-/* Adds a smooth boundary on top, below a medium with n directions. Directions that exist on one side only are
- * reflected totally. Light that passes back and forth between the boundary and the stack adds up to (1 - r
- * below)^-1. */
+/* Puts a smooth boundary on top of the stack, below a medium with n directions. Directions that exist on one
+ * side only are reflected totally. Light that passes back and forth between boundary and stack adds up to (1
+ * - r below)^-1. */
 static void add_boundary(struct stack *stack, const struct cml_directions *directions, double above,
                          double below, int n)
 {
@@ -96,8 +100,8 @@ static void add_boundary(struct stack *stack, const struct cml_directions *direc
     stack->n = n;
 }
 
-/* Adds a rough boundary on top, below a medium with n directions. The light T (1 - R_below below)^-1 goes
- * down. */
+/* Puts a rough boundary on top of the stack, below a medium with n directions. The stack gets the light T (1
+ * - R_below below)^-1 from above, with all passes back and forth. */
 static void add_rough(struct stack *stack, const struct cml_directions *directions,
                       const struct cml_rough_matrices *rough, int n)
 {
@@ -119,8 +123,8 @@ static void add_rough(struct stack *stack, const struct cml_directions *directio
     stack->n = n;
 }
 
-/* Adds a layer on top, whose absorbed share is row `number`. The stack below gets the share (1 - R below)^-1
- * T of the incident light, and Z comes back from there. */
+/* Puts a layer on top of the stack, whose absorbed share becomes row `number`. The stack below gets the
+ * share (1 - R below)^-1 T of the incident light, and Z comes back from there. */
 static void add_layer(struct stack *stack, const struct cml_directions *directions,
                       const struct cml_layer_response *layer, int number)
 {
@@ -197,7 +201,7 @@ static void begin_block(struct stack *stack, int last)
     for (int i = 0; i < stack->n; i++) shares[i * stack->n + i] = 1;
 }
 
-/* Stores the shares of the completed block. */
+/* Stores the shares of the layers of a completed block, so that the stack can begin the next block. */
 static void end_block(struct stack *stack)
 {
     struct block *block = &stack->block[stack->num_blocks - 1];
@@ -206,7 +210,8 @@ static void end_block(struct stack *stack)
            (size_t)stack->rows * (size_t)stack->n * sizeof *block->share);
 }
 
-/* Builds the stack of layers from below up to boundary 0, a boundary and a layer in turn. */
+/* Builds the stack of all layers from below, a boundary and a layer in turn, up to boundary 0, and cuts it
+ * into blocks. */
 static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                         const struct cml_stack_rough *rough, const struct cml_directions *directions,
                         int terms, struct stack *stack, struct cml_error *err)
@@ -264,6 +269,8 @@ static void share_out(const struct stack *stack, const double *light, int step, 
     *transmitted = light[0];
 }
 
+/* Computes the shares of incident light that a stack of layers reflects, transmits and absorbs, by adding
+ * layer after layer. absorbed: [layers]. */
 cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                             const struct cml_stack_rough *rough, const struct cml_directions *directions,
                             int terms, double *reflected, double *transmitted, double *absorbed,
@@ -281,7 +288,8 @@ cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml
     return status;
 }
 
-/* Computes the fate of light in each direction without weight. */
+/* Computes what becomes of a ray in each direction without weight: the shares that are transmitted and that
+ * each layer absorbs. response: [1 + layers][count], count: number of these rays. */
 cml_status cml_stack_responses(const struct cml_medium_def *media, const struct cml_directions *directions,
                                int terms, int count, double *response, struct cml_error *err)
 {

@@ -36,7 +36,8 @@ static void find_intervals(const struct cml_medium_def *media, int count, struct
     tail->intervals = (int)cml_sort_distinct(tail->index, (size_t)tail->intervals);
 }
 
-/* Makes rays at all nodes, with falling cosines in the level's medium. Returns their number. */
+/* Makes the rays for which responses are computed: at all nodes, with falling cosines in the level's medium.
+ * Returns their number. */
 static int set_rays(const struct cml_flat_tail *tail, struct cml_exact_ray *ray)
 {
     const double n = tail->index[tail->intervals - 1];
@@ -68,10 +69,9 @@ static cml_status solve(const struct cml_medium_def *stack, int num_layers,
     return status;
 }
 
-/* Returns the largest relative change from an old to a new response. A response below a thousandth of the
- * largest in its row is compared with that thousandth. Changes for grazing light count less, because only a
- * share of c^2 of diffuse light arrives with a cosine below c: a change is multiplied by 30 c^2 if that is
- * below 1. */
+/* Returns the largest relative change from old to new responses, by which the search for enough directions
+ * ends. Responses below a thousandth of the largest in their row are compared with that thousandth. Grazing
+ * light counts less, because little arrives: by 30 c^2 at a cosine c. */
 static double largest_change(const struct cml_flat_tail *tail, const double *old, const double *new, int rows,
                              int count)
 {
@@ -90,7 +90,7 @@ static double largest_change(const struct cml_flat_tail *tail, const double *old
     return change;
 }
 
-/* Raises the order until the responses of all rays have settled. */
+/* Computes the responses of all rays with more and more directions until they change by less than CHANGE. */
 static cml_status converge(const struct cml_medium_def *stack, int num_layers,
                            const struct cml_flat_tail *tail, const struct cml_exact_light *light,
                            double *response, struct cml_error *err)
@@ -110,8 +110,8 @@ static cml_status converge(const struct cml_medium_def *stack, int num_layers,
                     orders[NUM_ORDERS - 1]);
 }
 
-/* Fills the table of one interval by interpolation from the responses at the interval's nodes, which begin at
- * number `first` among `count` rays. response: [1 + layers][count]. */
+/* Fills the table of one interval of directions by interpolation from the responses at its nodes, which
+ * begin at number `first` among `count` rays. response: [1 + layers][count]. */
 static void fill_interval(const struct cml_flat_tail *tail, int interval, const double *response, int first,
                           int count, double *table)
 {
@@ -133,7 +133,7 @@ static void fill_interval(const struct cml_flat_tail *tail, int interval, const 
     }
 }
 
-/* Scales each score by a power of two into 0..1, and converts it to single precision. */
+/* Scales each score of the table by a power of two to at most 1, and converts it to single precision. */
 static void scale(struct cml_flat_tail *tail, const double *table)
 {
     const int cells = tail->intervals * (CML_FLAT_TAIL_CELLS + 1);
@@ -152,7 +152,8 @@ static void scale(struct cml_flat_tail *tail, const double *table)
     }
 }
 
-/* Computes the responses at the nodes, interpolates the table and scales it. */
+/* Makes the table that replaces the flight below a level in flat layers: computes exact responses for some
+ * directions of light, interpolates the table's cells from them and scales it. */
 static cml_status fill(const struct cml_medium_def *stack, int num_layers, struct cml_flat_tail *tail,
                        struct cml_error *err)
 {
@@ -177,7 +178,8 @@ static cml_status fill(const struct cml_medium_def *stack, int num_layers, struc
     return status;
 }
 
-/* Makes the table of expected values for the layers below a level. */
+/* Makes the table of what light that goes down through depth z in layer `layer` will finally give:
+ * absorption of each layer below, and transmittance (rule P15). */
 cml_status cml_tail_create(const struct cml_medium_def *media, int num_layers, int layer, double z,
                            struct cml_flat_tail *tail, struct cml_error *err)
 {

@@ -36,6 +36,8 @@ struct node {
     size_t at, first, count;
 };
 
+/* Returns the root of a tree: the node of all boxes. Nodes are not stored; a node follows from its place and
+ * count. */
 static struct node root_of(const struct cml_boxtree *tree)
 {
     return (struct node){0, 0, tree->n};
@@ -188,26 +190,30 @@ static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, stru
     return cml_fail_memory(err, (double)n * 100.0, "the overlap check");
 }
 
-/* Builds a tree over the boxes of triangles. */
+/* Builds a tree over the boxes of a mesh's triangles. Triangles are sorted by the sum of their corners:
+ * three times the centroid, which gives the same order. */
 cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3], size_t num_triangles,
                               struct cml_boxtree **tree, struct cml_error *err)
 {
-    double(*centre)[3] = malloc(num_triangles * sizeof *centre); /* times 3, as only the order counts */
-    if (!centre)
-        return cml_fail_memory(err, (double)(num_triangles * sizeof *centre), "the overlap check of a mesh");
+    double(*corner_sum)[3] = malloc(num_triangles * sizeof *corner_sum);
+    if (!corner_sum)
+        return cml_fail_memory(err, (double)(num_triangles * sizeof *corner_sum),
+                               "the overlap check of a mesh");
     for (size_t i = 0; i < num_triangles; i++) {
         const uint32_t *t = triangle[i];
-        for (int k = 0; k < 3; k++) centre[i][k] = vertex[t[0]][k] + vertex[t[1]][k] + vertex[t[2]][k];
+        for (int k = 0; k < 3; k++) corner_sum[i][k] = vertex[t[0]][k] + vertex[t[1]][k] + vertex[t[2]][k];
     }
     const cml_status status = allocate(num_triangles, false, tree, err);
     if (status == CML_OK) {
-        const struct builder builder = {*tree, vertex, triangle, 3, (const double *)centre};
+        const struct builder builder = {*tree, vertex, triangle, 3, (const double *)corner_sum};
         build(&builder, root_of(*tree));
     }
-    free(centre);
+    free(corner_sum);
     return status;
 }
 
+/* Builds a tree over n boxes that the caller keeps: box[i] has the lower corner and the upper corner of box
+ * i. Sorting by all six bounds (num_keys) keeps large boxes out of the cells of small ones. */
 cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n, struct cml_boxtree **tree,
                                     struct cml_error *err)
 {
@@ -218,6 +224,7 @@ cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n, struct 
     return CML_OK;
 }
 
+/* Frees a tree of boxes; NULL is allowed. */
 void cml_boxtree_free(struct cml_boxtree *tree)
 {
     if (!tree) return;
@@ -242,9 +249,10 @@ struct search {
     void *context;
 };
 
-/* Searches two trees for pairs, going down in the tree with more triangles first. A pair of nodes whose boxes
- * do not touch ends the search below both nodes [S. Gottschalk, M. C. Lin and D. Manocha, OBBTree, SIGGRAPH
- * 1996, 171, with oriented boxes]. */
+/* Searches two trees for pairs of triangles whose boxes touch; true if the callback `pair` has ended the
+ * search. It goes down in the tree with more triangles first. A pair of nodes whose boxes do not touch ends
+ * the search below both nodes [S. Gottschalk, M. C. Lin and D. Manocha, OBBTree, SIGGRAPH 1996, 171, with
+ * oriented boxes]. */
 static bool search_two(const struct search *search, struct node a, struct node b)
 {
     if (!boxes_touch(&search->a->box[a.at], &search->b->box[b.at])) return false;
@@ -254,8 +262,9 @@ static bool search_two(const struct search *search, struct node a, struct node b
     return search_two(search, a, left_of(b)) || search_two(search, a, right_of(b));
 }
 
-/* Searches one tree for pairs. Each pair of triangles is separated by exactly one node, which has one
- * triangle on its left side and the other on its right side. */
+/* Searches one tree for pairs of triangles whose boxes touch; true if the callback has ended the search.
+ * Each pair is separated by exactly one node, which has one triangle on its left side and the other on its
+ * right side. */
 static bool search_own(const struct search *search, struct node node)
 {
     if (node.count == 1) return false;
@@ -263,6 +272,7 @@ static bool search_own(const struct search *search, struct node node)
     return search_two(search, left, right) || search_own(search, left) || search_own(search, right);
 }
 
+/* Calls `pair` for every two triangles of two meshes whose boxes touch, until `pair` returns true. */
 bool cml_boxtree_pairs(const struct cml_boxtree *a, const struct cml_boxtree *b, cml_boxtree_pair *pair,
                        void *context)
 {
@@ -298,6 +308,7 @@ static void search_touching(const struct touching *touching, struct node node)
     search_touching(touching, right_of(node));
 }
 
+/* Calls `visit` for every box of the tree that touches the given box. */
 void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
                           cml_boxtree_visit *visit, void *context)
 {
@@ -359,6 +370,9 @@ static void visit_through(void *context, uint32_t i)
     column->nearest = fmin(column->nearest, fabs(depth_in_column(v, point) - point[2]));
 }
 
+/* Counts the triangles of the mesh above and below a point, along the vertical line through the point.
+ * Triangles of part `without` of a body do not count. The search box has no size in x and y, and no end in
+ * z. */
 struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_t without,
                                      const double point[3])
 {
@@ -389,7 +403,8 @@ static double box_square(const struct box *box, const double p[3])
     return sum;
 }
 
-/* Searches the closer child first, and skips a child that is further away than the best triangle so far. */
+/* Searches below a node for the triangle closest to the point. The closer child comes first; a child further
+ * away than the best triangle so far is skipped. */
 static void search_closest(struct closest *closest, struct node node)
 {
     if (node.count == 1) {
@@ -407,6 +422,9 @@ static void search_closest(struct closest *closest, struct node node)
     if (cml_larger(a, b) < closest->least) search_closest(closest, left_first ? right : left);
 }
 
+/* Finds the object nearest to point p and returns the squared distance. `square` computes the squared
+ * distance of one object. On entry *i is a first guess, which lets the search skip most boxes; on return *i
+ * is the nearest object. */
 double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
                            const void *context, uint32_t *i)
 {
@@ -451,6 +469,8 @@ static void search_around(struct around *around, struct node node)
     search_around(around, left_first ? right : left);
 }
 
+/* Finds the first box after number i that encloses box i and that `accept` takes: the smallest one if the
+ * boxes are sorted by size. Returns n if there is none. */
 uint32_t cml_boxtree_first_around(const struct cml_boxtree *tree, uint32_t i, cml_boxtree_accept *accept,
                                   void *context)
 {

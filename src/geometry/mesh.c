@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Frees all arrays of a mesh and leaves an empty mesh. */
 void cml_mesh_clear(struct cml_mesh *mesh)
 {
     free(mesh->vertex);
@@ -20,6 +21,8 @@ void cml_mesh_clear(struct cml_mesh *mesh)
     *mesh = (struct cml_mesh){0};
 }
 
+/* Allocates the vertices and triangles of a mesh. An error names the bytes: 24 a vertex (three doubles), 12
+ * a triangle (three 32-bit indices). `what` names the mesh in the message. */
 cml_status cml_mesh_allocate(struct cml_mesh *mesh, size_t vertices, size_t triangles, const char *what,
                              struct cml_error *err)
 {
@@ -55,6 +58,8 @@ cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to, struc
                            "a copy of a mesh");
 }
 
+/* Makes the error message of a faulty mesh: file, line if line > 0, and the formatted text. The message also
+ * tells how many faces of zero area were dropped, because they can be the cause. */
 cml_status cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_error *err,
                          const char *format, ...)
 {
@@ -88,6 +93,7 @@ const char *cml_mesh_place(const double position[3], char text[112])
     return text;
 }
 
+/* True if all vertices of a mesh lie at one depth, which is then *z. */
 bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z)
 {
     for (size_t i = 1; i < mesh->num_vertices; i++)

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Makes the error that memory ran out while the border of a mesh was searched. */
 static cml_status no_memory(const struct cml_mesh *mesh, struct cml_error *err)
 {
     return cml_fail_memory(err, 5.0 * (double)mesh->num_vertices, "the border of a mesh");
@@ -24,9 +25,10 @@ struct loop {
     double area; /* signed area in (x, y), cm2 */
 };
 
-/* Walks the loop from vertex `start`. leaving[v] is the border half-edge that begins at v; there is only one,
- * as the triangles around v are one fan. The area is a sum of triangles with a corner at `start` (shoelace
- * formula). `seen` and `border` may be NULL. */
+/* Walks around a border from vertex `start`, and returns the number of its vertices and the area inside.
+ * leaving[v] is the border half-edge that begins at v; there is only one, as the triangles around v are one
+ * fan. The area is a sum of triangles with a corner at `start` (shoelace formula). `seen` and `border` may
+ * be NULL. */
 static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leaving, uint32_t start,
                              uint8_t *seen, uint32_t *border)
 {
@@ -107,6 +109,7 @@ static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struc
     return status;
 }
 
+/* Returns the largest side of the mesh's bounding box, cm. */
 double cml_mesh_extent(const struct cml_mesh *mesh)
 {
     double extent = 0;
@@ -124,7 +127,8 @@ struct depths {
     double span, mean;
 };
 
-/* Returns the range and the mean of the border's depths. */
+/* Returns the highest vertex of a mesh's border, and the span and mean of the border's depths. z points
+ * down. Depths are summed relative to the first vertex, which loses fewer digits. */
 static struct depths measure_border(const struct cml_mesh *mesh)
 {
     const double z0 = mesh->vertex[mesh->border[0]][2];
@@ -226,7 +230,8 @@ static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t 
     return status;
 }
 
-/* Reverses the winding of all triangles and of the border. No vertex moves. */
+/* Turns a mesh that is upside down: reverses all triangles and the border. No vertex moves. Triangles that
+ * had been reversed already have now their old sense again, so the number of reversed ones is the rest. */
 static void flip_sheet(struct cml_mesh_work *work)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -258,6 +263,8 @@ static cml_status place_border(struct cml_mesh_work *work, const uint32_t *leavi
     return check_simple(work, leaving, err);
 }
 
+/* Finds the border of a boundary mesh, stores it in the mesh, and turns the mesh over if it is upside down.
+ * leaving[v] is the vertex that follows vertex v on the border. */
 cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err)
 {
     uint32_t *leaving = malloc(work->mesh->num_vertices * sizeof *leaving);
@@ -284,7 +291,8 @@ struct part {
     bool cavity;
 };
 
-/* Refuses a body with an edge that belongs to one face only. */
+/* Refuses a body whose surface is not closed: an edge that belongs to one face only has no opposite
+ * half-edge. */
 static cml_status refuse_open_edges(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -379,7 +387,8 @@ static void turn_parts(struct cml_mesh_work *work, const struct part *parts)
     }
 }
 
-/* Turns each part of a body outwards, and each cavity inwards. */
+/* Orients all facets of a body so that their normals point away from its material: outwards on parts,
+ * inwards on cavities. */
 cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

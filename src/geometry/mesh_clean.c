@@ -193,6 +193,8 @@ static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
     return CML_OK;
 }
 
+/* Makes the vertices and triangles of a file sound: refuses bad numbers and indices, joins equal vertices,
+ * and drops faces of zero area and unused vertices. */
 cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_error *err)
 {
     CML_TRY(check_vertices(work, err));

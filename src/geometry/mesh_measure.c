@@ -44,7 +44,8 @@ static void add_triangle(struct cml_mesh *mesh, size_t t)
     }
 }
 
-/* Adds the outer plane's normal to border vertices, weighted by the angle outside the footprint. */
+/* Adds the normal of the plane outside to the border's vertices, weighted by the angle that the plane fills
+ * there. */
 static void add_outer_plane(struct cml_mesh *mesh)
 {
     const size_t n = mesh->num_border;
@@ -60,6 +61,8 @@ static void add_outer_plane(struct cml_mesh *mesh)
     }
 }
 
+/* Computes a unit normal at every vertex: the mean of the adjacent facets' normals, weighted by angle. The
+ * outer plane beyond the border counts as a facet. */
 cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err)
 {
     mesh->vertex_normal = calloc(mesh->num_vertices, sizeof *mesh->vertex_normal);

@@ -25,7 +25,8 @@ static const double *vertex_of(const struct rim *rim, size_t i)
     return rim->mesh->vertex[rim->mesh->border[i % rim->count]];
 }
 
-/* Computes lengths along the border, its sense of rotation, and the reach for outward directions. */
+/* Measures the border of a mesh before the skirt is added: length along it at each vertex, its turning
+ * sense, and the reach over which outward directions are smoothed. */
 static void measure(struct rim *rim)
 {
     double area = 0;

@@ -66,7 +66,8 @@ static cml_status fill_rows(struct cml_polygon_rows *rows, struct cml_error *err
     return CML_OK;
 }
 
-/* Sorts the edges of a polygon into rows of y. */
+/* Sorts the edges of a polygon into rows by y, so that a search for one y looks at few edges. Copies the
+ * points. */
 cml_status cml_polygon_rows_build(const double (*point)[2], size_t num_points, struct cml_polygon_rows *rows,
                                   struct cml_error *err)
 {
@@ -159,6 +160,8 @@ static size_t sweep_row(const struct cml_polygon_rows *rows, size_t row, struct 
     return CML_POLYGON_SIMPLE;
 }
 
+/* Finds an edge of a polygon that crosses another edge, and writes its number to *edge. *edge stays
+ * CML_POLYGON_SIMPLE if no edges cross. Only edges that share a row of the y axis are compared. */
 cml_status cml_polygon_find_crossing(const struct cml_polygon_rows *rows, size_t *edge, struct cml_error *err)
 {
     size_t longest = 1;

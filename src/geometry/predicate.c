@@ -84,7 +84,7 @@ static void exact_add_product(struct exact *x, struct difference a, struct diffe
     }
 }
 
-/* Adds product * factor exactly. */
+/* Adds product * factor to an exact number: the rounded result and its rounding error are both added. */
 static void exact_add_scaled(struct exact *x, double product, double factor)
 {
     double rest;
@@ -133,6 +133,8 @@ static int orient2d_filter(const double a[2], const double b[2], const double c[
     return sign_of(det);
 }
 
+/* Returns the sign of cml_orient2d if floating point decides it surely, otherwise 0, without the slow exact
+ * sums. */
 int cml_orient2d_fast(const double a[2], const double b[2], const double c[2])
 {
     int sure;
@@ -140,6 +142,8 @@ int cml_orient2d_fast(const double a[2], const double b[2], const double c[2])
     return sure ? sign : 0;
 }
 
+/* Returns +1 if a, b, c turn counter-clockwise, -1 if clockwise, 0 if they lie on a line. Exact: exact sums
+ * decide where floating point cannot. */
 int cml_orient2d(const double a[2], const double b[2], const double c[2])
 {
     int sure;
@@ -182,7 +186,8 @@ int cml_orient3d(const double a[3], const double b[3], const double c[3], const 
     return orient3d_exact(a, b, c, d);
 }
 
-/* Returns the sign of cml_line_side's determinant from exact differences and products; u is exact already. */
+/* Returns on which side of the edge from a to b the line from o along u passes: the sign of a determinant,
+ * computed exactly. The direction u needs no rounding. */
 static int line_side_exact(const double a[3], const double b[3], const double o[3], const double u[3])
 {
     struct exact det = {0};

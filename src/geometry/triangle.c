@@ -62,7 +62,7 @@ static double determinant(const double *a, const double *b, const double *c, con
            m[2][2] * (m[0][0] * m[1][1] - m[1][0] * m[0][1]);
 }
 
-/* Computes the point of p-q where a quantity vanishes that is at_p at p and at_q at q. */
+/* Computes the point of the edge p-q where a linear quantity is zero, which is at_p at p and at_q at q. */
 static void put_between(const double *p, const double *q, double at_p, double at_q, double place[3])
 {
     const double span = at_p - at_q;
@@ -123,7 +123,8 @@ static bool edges_intersect(struct view view, const double *p, const double *q, 
     return true;
 }
 
-/* Returns the contact of a segment that lies in the triangle's plane. */
+/* Says whether the segment p q, which lies in the plane of triangle t, touches t: an end inside, or a
+ * crossing with an edge. `place` becomes a common point. A segment in the plane can touch, but not cross. */
 static enum cml_contact flat_segment_contact(const double *p, const double *q, const double *const t[3],
                                              double place[3])
 {
@@ -218,6 +219,9 @@ static enum cml_contact contact_at_edge(const double *const a[3], const double *
     return CML_TOUCH;
 }
 
+/* Says how triangles a and b meet, and stores one common point in `place`. `shared` is the number of corners
+ * that both have, which stand first in a and b. Three shared corners make the triangles equal, hence they
+ * touch. */
 enum cml_contact cml_triangle_contact(const double *const a[3], const double *const b[3], int shared,
                                       double place[3])
 {

@@ -101,7 +101,9 @@ static const struct {
                             .base = offsetof(struct cml_scene, directions),
                             .line = offsetof(struct cml_scene, directions.line)}};
 
-/* Reads a keyword line that concerns the whole run. */
+/* Reads a keyword line that concerns the whole run, such as `map` or `time`, by the row of run_lines for its
+ * kind. Most lines have only keys, which the table describes; a few have a reader. `line` in the row is the
+ * scene's member that remembers the line, so that a second one is refused. */
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {
@@ -125,8 +127,9 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
     return cml_mci_options(&line);
 }
 
-/* Goes to the next data line and reads the keyword lines before it. field: the meaning of the data line, for
- * messages. b: the number of the boundary before that line, and of the layer read last. */
+/* Goes to the next data line of a run, and reads the keyword lines before it. stage: which keywords may
+ * stand here; field: the meaning of the data line, for messages; b: number of the boundary before that line,
+ * and of the layer read last. */
 static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage, struct cml_scene *scene,
                                  int b, const char *field)
 {
@@ -221,7 +224,8 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const struct 
     return cml_mci_fail(reader, "nz nr na", value, expected);
 }
 
-/* Reads the photons, the sizes of bins and the numbers of bins. */
+/* Reads the first data lines of a run: number of photons, sizes of bins (dz dr) and numbers of bins (nz nr
+ * na). */
 static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "photons"));
@@ -291,6 +295,8 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     return cml_mci_numbers(reader, owner, CML_KEY_PARTS({CML_KEYS_MEDIUM, medium}, {CML_KEYS_LAYER, medium}));
 }
 
+/* Reads the layers of a run from the top: the medium above, each layer with its boundary and bodies, the
+ * medium below. */
 static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     CML_TRY(allocate_layers(reader, scene));
@@ -303,7 +309,8 @@ static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *s
  * they absorb. Media with mus = 0 are meant so. */
 #define SWAPPED 20
 
-/* Notes media whose mua and mus may have been swapped. */
+/* Notes media whose absorption is so much larger than their scattering that the user may have swapped the
+ * two. */
 static void note_swapped(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     for (int m = 1; m < scene->num_layers + 2 + scene->num_bodies; m++) {
@@ -316,7 +323,8 @@ static void note_swapped(const struct cml_mci_reader *reader, const struct cml_s
     }
 }
 
-/* Notes layers that may have been given in mm. */
+/* Notes layers thicker than 50 cm, which may have been given in mm. A layer without an end has a much larger
+ * thickness and is left alone. */
 static void note_thickness(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {
@@ -426,6 +434,8 @@ static cml_status read_version(struct cml_mci_reader *reader)
     return refuse_version(reader, version);
 }
 
+/* Reads a whole .mci file: version, number of runs, the runs, and nothing behind them. --output names one
+ * result, so the file must have one run. */
 static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list *list)
 {
     int runs = 0;
@@ -440,7 +450,8 @@ static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list
     return check_rest(reader, list);
 }
 
-/* Clears the list after a failure: nobody sees an incomplete scene. */
+/* Reads all runs of a .mci file into a list of scenes. After a failure the list is empty: nobody sees an
+ * incomplete scene. */
 cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
                         struct cml_scene_list *list, struct cml_error *err)
 {
@@ -456,7 +467,7 @@ cml_status cml_mci_read(const char *path, const struct cml_input_options *option
 
 /* ---- a copy of a scene with other numbers ---- */
 
-/* Reads the line of boundary b again, with the file that it may name. */
+/* Reads the line of boundary b again, with the file of a mesh or heightmap that it may name. */
 static cml_status read_shape(const struct cml_mci_reader *copying, const char *path, int line, int b,
                              struct cml_boundary *boundary)
 {
@@ -485,6 +496,8 @@ static cml_status read_shapes(const struct cml_mci_reader *copying, struct cml_s
     return CML_OK;
 }
 
+/* Copies a scene with other settings. The copy shares shapes and tables with the original, except those
+ * whose scale the settings change. */
 cml_status cml_mci_copy(const struct cml_scene *from, const struct cml_input_options *options,
                         struct cml_scene *scene, struct cml_error *err)
 {

@@ -25,7 +25,8 @@ static cml_status make_room(const struct cml_mci_reader *rows, struct cml_light 
     return cml_array_grow(&light->intensity, (size_t)light->rows, sizeof *light->t, "a table", rows->err);
 }
 
-/* Reads a row: an angle larger than the last one, and an intensity, whose square must not be subnormal. */
+/* Reads a row of a light's table: an angle larger than that of the row before, in degrees, and an intensity.
+ * Intensities have bounds, because their squares must be normal numbers. */
 static cml_status read_row(struct cml_mci_reader *rows, struct cml_light *light)
 {
     static const struct cml_key degrees = {.name = "angle", .noun = "degrees", .most = 180},
@@ -51,6 +52,7 @@ static cml_status read_row(struct cml_mci_reader *rows, struct cml_light *light)
     return CML_OK;
 }
 
+/* Reads the rows "angle intensity" of a light's table; at least two rows, and some light. */
 static cml_status read_light_table(struct cml_mci_reader *rows, void *context)
 {
     struct cml_light *light = context;
@@ -90,6 +92,7 @@ static cml_status take_pixels(const char *path, const struct cml_heightmap *map,
                    : cml_fail_field(err, path, 0, "pixels", "all 0", "light in one of them at least");
 }
 
+/* Reads the image file of a beam, whose pixels say how much light starts where. */
 static cml_status read_image(struct cml_mci_reader *reader, const char *name, struct cml_beam *beam)
 {
     struct cml_heightmap map = {0};
@@ -116,6 +119,8 @@ static const struct {
               [CML_BEAM_IMAGE] = {"image", CML_KEYS_NONE}};
 enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
+/* Lists which groups of keys a beam has: it depends on its shape, its light and where it starts. in_line:
+ * for reading its line; otherwise for --set, which cannot add keys. */
 void cml_mci_beam_parts(struct cml_scene *scene, int k, bool in_line, struct cml_key_part *part)
 {
     struct cml_beam *beam = &scene->beams[k];
@@ -154,7 +159,8 @@ static cml_status read_beam_shape(const struct cml_mci_line *line, struct cml_be
     return read_image(line->reader, word, beam);
 }
 
-/* Reads the value of the option `light`. */
+/* Reads the angular distribution of a beam's light: a word, na:X with a numerical aperture, or the quoted
+ * name of a file with a table. */
 static cml_status set_light(struct cml_mci_line *line, struct cml_light *light)
 {
     static const char *const words[] = {"parallel", "lambertian", "isotropic"};
@@ -192,7 +198,7 @@ static cml_status set_own(struct cml_mci_line *line)
     return strcmp(line->value, "beam") == 0 ? CML_OK : cml_mci_fail_value(line, line->key->noun);
 }
 
-/* Adds a beam, except for the first `beam` line: its beam replaces the default pencil beam. */
+/* Adds a beam to the scene. The first line `beam` replaces the default pencil beam. */
 cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const int count = scene->num_beams;
@@ -206,6 +212,8 @@ cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *sce
     return CML_OK;
 }
 
+/* Reads a line `beam` and the files that it names. The line's z= decides between a beam inside the scene and
+ * one from above. */
 cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_key_part parts[CML_MOST_KEY_PARTS];
@@ -228,13 +236,15 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 
 static const double degree = CML_PI / 180;
 
+/* Refuses a value of beam k, with the line of the beam. */
 static cml_status fail_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                             const char *field, const char *value, const char *expected)
 {
     return cml_fail_field(reader->err, scene->file, scene->beams[k].line, field, value, expected);
 }
 
-/* Checks that light which starts above all surfaces goes down. */
+/* Refuses light of beam k that would go upwards although the beam starts above all surfaces, and an aperture
+ * larger than the index of the medium allows. */
 static cml_status check_light(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];
@@ -307,7 +317,7 @@ static cml_status fit_to_tile(const struct cml_mci_reader *reader, struct cml_sc
     return CML_OK;
 }
 
-/* Checks a beam by itself, and against the number of beams. */
+/* Refuses a beam whose own numbers contradict each other, and `radial` if there are several beams. */
 static cml_status check_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];
@@ -322,6 +332,8 @@ static cml_status check_beam(const struct cml_mci_reader *reader, const struct c
     return beam->inside ? CML_OK : check_light(reader, scene, k);
 }
 
+/* Checks every beam against the rest of the scene, when all lines are read. A rectangle that is to cover one
+ * period of a tile gets its size here. */
 cml_status cml_mci_check_beams(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_beams; k++) {

@@ -27,7 +27,7 @@ static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
     return cml_fail_memory(reader->err, (double)(capacity * sizeof *bodies), "bodies");
 }
 
-/* Reads the value of the option `rough`. */
+/* Reads the value of a body's option rough=KIND,ALPHA: the distribution of facet slopes and its width. */
 static cml_status set_rough(const struct cml_mci_reader *reader, const char *owner, const char *value,
                             struct cml_rough_def *rough)
 {
@@ -83,6 +83,7 @@ struct mesh_line {
     struct cml_rough_def *rough;
 };
 
+/* Stores an option of a body's mesh that needs its own code: roughness or unit of length. */
 static cml_status set_mesh_option(struct cml_mci_line *line)
 {
     struct mesh_line *mesh = line->context;
@@ -148,6 +149,8 @@ static cml_status read_body(struct cml_mci_reader *reader, int number, struct cm
     return check_axis(reader, owner, body);
 }
 
+/* Reads a body inside layer `layer` with its optical properties. Its host is first assumed to be the layer;
+ * a body around it may be found later. */
 cml_status cml_mci_body(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
 {
     CML_TRY(grow(reader, scene));

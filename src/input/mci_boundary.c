@@ -52,7 +52,8 @@ static char *next_word(struct samples *samples)
     }
 }
 
-/* Appends a number. Memory grows with the numbers really read: a large n without samples asks for none. */
+/* Appends a number to those read for a heightfield. Memory grows with the numbers really read, so that a
+ * wrong n does not fill it. */
 static cml_status append(struct samples *samples, double value)
 {
     CML_TRY(cml_array_grow(&samples->values, samples->num_values, sizeof value, "a heightfield",
@@ -71,8 +72,9 @@ static cml_status fail_number(const struct samples *samples, size_t i, int n, co
     return fail_sample(samples, name, word, word ? expected : total);
 }
 
-/* Reads number i of 2n. A spacing so small that it does not change the radius in double is refused: the ring
- * would have no width. */
+/* Reads number i of the 2n numbers of a radial heightfield: height and spacing in turn. A spacing too small
+ * to change the radius in double precision is refused: the ring would have no width. The last spacing has no
+ * effect and may be any number. */
 static cml_status read_number(struct samples *samples, size_t i, int n)
 {
     static const struct cml_key height = {.least = -CML_MCI_HUGE, .most = CML_MCI_HUGE},
@@ -116,7 +118,8 @@ static cml_status read_samples(struct samples *samples, int *n)
     return fail_sample(samples, "number after the last spacing", word, expected);
 }
 
-/* Sums the spacings of the file to radii, which the boundary needs. */
+/* Makes the radial heightfield of a boundary from the file's pairs "height, spacing": the radius of a sample
+ * is the sum of the spacings before. Radii and heights are scaled to cm. */
 static cml_status sum_radii(const struct samples *samples, struct cml_boundary *boundary)
 {
     const size_t n = samples->num_values / 2;
@@ -177,7 +180,7 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 enum tiling { TILE_MIRRORED, TILE_AS_IS, TILE_PERIODIC, TILE_NONE };
 static const char *const tile_names[] = {"mirror", "as-is"};
 
-/* Reads the option `tile`. */
+/* Reads the option `tile` of a line `m`: how a heightmap repeats over the plane. */
 static cml_status set_tiling(const struct cml_mci_line *line, enum tiling *tiling)
 {
     const int which = line->alone ? TILE_PERIODIC : cml_mci_choose(line->value, tile_names, 2);
@@ -294,7 +297,8 @@ static cml_status set_spectrum(const struct cml_mci_line *line, double *hurst)
     return cml_mci_fail_value(line, line->key->noun);
 }
 
-/* Reads an option of an `m` line of type CML_KEY_OWN. */
+/* Reads the options of a line `m` that need their own code: units, spectrum, tile, and the number of points
+ * of a random relief, a power of 2 from 16 to 8192. */
 static cml_status set_m_option(struct cml_mci_line *line)
 {
     struct m_line *m = line->context;
@@ -312,7 +316,8 @@ static cml_status set_m_option(struct cml_mci_line *line)
     return CML_OK;
 }
 
-/* Draws a random relief and makes a repeated boundary of it. */
+/* Draws a random relief with the wanted statistics, scales it, and makes it a tile that repeats over the
+ * plane. */
 static cml_status make_relief(const struct cml_mci_line *line, const struct cml_random_relief *relief,
                               const struct cml_mesh_file_options *obj, struct cml_boundary *boundary)
 {
@@ -326,7 +331,7 @@ static cml_status make_relief(const struct cml_mci_line *line, const struct cml_
     return status;
 }
 
-/* Reads the line behind the word gaussian: a random relief. */
+/* Reads the rest of a line `m gaussian`: the numbers of a random relief, and the word tile. */
 static cml_status read_relief(struct cml_mci_line *line, int index, struct m_line *m,
                               struct cml_boundary *boundary)
 {
@@ -385,6 +390,7 @@ static cml_status read_m(struct cml_mci_reader *reader, int index, struct cml_bo
     return CML_OK;
 }
 
+/* Reads the shape of a boundary: of a line `b` (radial heightfield) or `m` (mesh or heightmap). */
 static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                 struct cml_boundary *boundary)
 {
@@ -395,6 +401,8 @@ static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind
     return cml_mci_name_line(reader, owner, boundary->file, status);
 }
 
+/* Reads a line `b` or `m` with the shape of boundary number `index`. A boundary has one shape. With
+ * options->flat the shape is checked and dropped. */
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                             struct cml_boundary *boundary)
 {

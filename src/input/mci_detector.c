@@ -23,6 +23,8 @@ static const struct {
               {"map", CML_DETECTOR_MAP, CML_KEYS_DETECTOR_MAP}};
 enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
+/* Lists which groups of keys of a detector may be set: it depends on its shape and on whether it looks in
+ * one direction. */
 void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part)
 {
     int s = detector->ring ? 1 : 0;
@@ -35,6 +37,7 @@ void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_pa
 
 /* ---- shapes ---- */
 
+/* Refuses a ring whose inner radius is not smaller than its outer one. */
 static cml_status check_radii(const struct cml_mci_line *line, const double *radius)
 {
     char value[80];
@@ -63,7 +66,9 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
 
 /* ---- options ---- */
 
-/* Reads the option `name`. */
+/* Reads the name of a detector: letters, digits and underscores. A name with an ending that results of
+ * detectors use, such as "_t" in detector_NAME_t, is refused, because two results could then have one
+ * name. */
 static cml_status set_name(struct cml_mci_line *line)
 {
     struct cml_detector_def *detector = line->context;
@@ -79,6 +84,7 @@ static cml_status set_name(struct cml_mci_line *line)
     return cml_mci_fail_value(line, expected);
 }
 
+/* Stores the value of a detector's keys that need their own code: its name, and the side it lies on. */
 static cml_status set_own(struct cml_mci_line *line)
 {
     static const char *const sides[] = {"top", "bottom"};
@@ -91,6 +97,7 @@ static cml_status set_own(struct cml_mci_line *line)
 
 /* ---- the line ---- */
 
+/* Appends an empty detector to the scene. */
 static cml_status add_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const int n = scene->num_detectors;
@@ -134,6 +141,7 @@ struct table {
     struct cml_scene *scene;
 };
 
+/* Reads a file of detectors, one in each row. */
 static cml_status read_rows(struct cml_mci_reader *rows, void *context)
 {
     const struct table *table = context;
@@ -145,6 +153,7 @@ static cml_status read_rows(struct cml_mci_reader *rows, void *context)
                : cml_mci_fail(rows, "rows", "0", "a detector in each, one at least");
 }
 
+/* Reads a line `detector`, or a file of such lines. */
 cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct table table = {reader, scene};
@@ -156,6 +165,7 @@ cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *sce
                          read_rows, &table);
 }
 
+/* Refuses a value of detector k, with the line of the scene or the row of the table that it comes from. */
 static cml_status fail_detector(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                                 const char *field, const char *value, const char *expected)
 {
@@ -180,6 +190,7 @@ static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene 
     return detector->name ? CML_OK : cml_text_copy(number, &detector->name, reader->err);
 }
 
+/* Orders detectors by name, then by line, for qsort. */
 static int compare_names(const void *a, const void *b)
 {
     const struct cml_detector_def *const *one = a, *const *other = b;
@@ -188,7 +199,8 @@ static int compare_names(const void *a, const void *b)
     return order ? order : (*one > *other) - (*one < *other);
 }
 
-/* Refuses two detectors of one name. */
+/* Refuses two detectors with the same name. Sorting makes equal names neighbours, so thousands of detectors
+ * are checked quickly. */
 static cml_status check_names(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     if (scene->num_detectors < 2) return CML_OK;
@@ -212,6 +224,8 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
     return status;
 }
 
+/* Completes all detectors when all lines are read, and refuses two of one name, or more than 2^30 pixels in
+ * all. Each pixel needs a sum and a sum of squares, hence 2^31 cells at most. */
 cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const double most = 2147483648.0;

@@ -7,8 +7,8 @@
 
 #include <string.h>
 
-/* `top` has an effect only with `volume`; without it the line is refused, because its writer would not
- * notice. */
+/* Reads a line `map`. The option `top` has an effect only with `volume`; without it the line is refused,
+ * because the user would not notice. */
 cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_map_def *map = &scene->map;
@@ -65,6 +65,7 @@ cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_scene *scen
     return cml_mci_options(&line);
 }
 
+/* Refuses the option `detected` of the line `photons` if the scene has no detectors. */
 cml_status cml_mci_check_photons(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     if (!scene->saved.detected || scene->num_detectors > 0) return CML_OK;

@@ -15,6 +15,7 @@
 
 #define MOST_ROWS 1000000
 
+/* Makes room for one more row in the three arrays of a tabulated phase function. */
 static cml_status grow_table(const struct cml_mci_reader *reader, struct cml_phase *phase)
 {
     double **const arrays[] = {&phase->deflection, &phase->density, &phase->below};
@@ -49,6 +50,8 @@ static cml_status read_row(struct cml_mci_reader *rows, struct cml_phase *phase)
     return CML_OK;
 }
 
+/* Reads the rows "angle density" of a phase function up to 180 degrees, where the deflection 1 - cos is 2,
+ * and scales them to a probability. */
 static cml_status read_rows(struct cml_mci_reader *rows, void *context)
 {
     struct cml_phase *phase = context;
@@ -59,19 +62,20 @@ static cml_status read_rows(struct cml_mci_reader *rows, void *context)
     return cml_text_copy(rows->text.path, &phase->file, rows->err);
 }
 
+/* Returns the group of keys of a phase function; CML_KEYS_NONE for none, or one without parameters. */
 enum cml_key_group cml_mci_phase_keys(const struct cml_phase *phase)
 {
     static const enum cml_key_group keys[CML_PHASE_KINDS] = {CML_KEYS_HG2, CML_KEYS_MHG, CML_KEYS_GK};
     return phase ? keys[phase->kind] : CML_KEYS_NONE;
 }
 
-/* Reads the kind and the numbers of a phase function, or the file of a table. kind, number: the layer or body
- * in messages. */
-static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, int number,
+/* Reads the rest of a line `phase`: the kind and its numbers, or the file of a table. owner_word and number
+ * name the layer or body in messages, as in "layer 2". */
+static cml_status read_phase(struct cml_mci_reader *reader, const char *owner_word, int number,
                              struct cml_phase *phase)
 {
     char owner[48], field[64];
-    snprintf(owner, sizeof owner, "%s %d: phase", kind, number);
+    snprintf(owner, sizeof owner, "%s %d: phase", owner_word, number);
     snprintf(field, sizeof field, "%s: kind", owner);
     cml_mci_cut_comment(reader->cursor);
     const char *word = cml_text_word(&reader->cursor);
@@ -110,6 +114,8 @@ static cml_status share_phase(const struct cml_mci_reader *reader, struct cml_sc
     return CML_OK;
 }
 
+/* Reads a line `phase`, which gives the layer or body before it a phase function. Equal phase functions are
+ * stored once. */
 cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
 {
     const int k = scene->num_bodies - 1;
@@ -150,18 +156,18 @@ cml_status cml_mci_own_phase(const struct cml_mci_reader *reader, struct cml_sce
 
 /* Refuses an absorption so small beside the scattering that rounding would lose it. */
 static cml_status check_absorption(const struct cml_mci_reader *reader, const struct cml_scene *scene,
-                                   const char *kind, int number, const struct cml_medium_def *medium)
+                                   const char *owner_word, int number, const struct cml_medium_def *medium)
 {
     static const char expected[] = "0, or at least 1e-11 of mua + mus";
     char name[CML_SETTING_NAME], field[48], value[32];
     const struct cml_settings *settings = reader->options->settings;
     const double mut = cml_medium_mut(medium);
     if (!(medium->mua > 0 && medium->mua < CML_LEAST_ABSORPTION * mut)) return CML_OK;
-    snprintf(name, sizeof name, "%s%d.mua", kind, number);
-    snprintf(field, sizeof field, "%s %d: mua", kind, number);
+    snprintf(name, sizeof name, "%s%d.mua", owner_word, number);
+    snprintf(field, sizeof field, "%s %d: mua", owner_word, number);
     snprintf(value, sizeof value, "%g", medium->mua);
     const struct cml_setting *mua = settings ? cml_settings_find(settings, name) : NULL;
-    if (settings && !mua && strcmp(kind, "layer") == 0) {
+    if (settings && !mua && strcmp(owner_word, "layer") == 0) {
         snprintf(name, sizeof name, "%s.mua", cml_layer_name(scene, number));
         mua = cml_settings_find(settings, name);
     }
@@ -171,16 +177,19 @@ static cml_status check_absorption(const struct cml_mci_reader *reader, const st
 
 /* Refuses a phase function whose mean cosine is not the medium's g. */
 static cml_status check_mean(const struct cml_mci_reader *reader, const struct cml_scene *scene,
-                             const char *kind, int number, const struct cml_medium_def *medium, double mean)
+                             const char *owner_word, int number, const struct cml_medium_def *medium,
+                             double mean)
 {
     char field[64], value[32], expected[80];
     if (fabs(mean - medium->g) <= 1.0000001e-3) return CML_OK;
-    snprintf(field, sizeof field, "%s %d: phase: mean cosine", kind, number);
+    snprintf(field, sizeof field, "%s %d: phase: mean cosine", owner_word, number);
     snprintf(value, sizeof value, "%.6g", mean);
     snprintf(expected, sizeof expected, "the medium's g = %g to 1e-3", medium->g);
     return cml_fail_field(reader->err, scene->file, medium->phase_line, field, value, expected);
 }
 
+/* Checks all media when all numbers are known: that rounding does not lose the absorption, and that a
+ * table's mean cosine fits g. */
 cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     double mean[CML_MOST_PHASES];
@@ -190,16 +199,18 @@ cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct
         const struct cml_medium_def *medium = &scene->media[m];
         const bool body = m > scene->num_layers + 1;
         const int number = body ? m - scene->num_layers - 1 : m;
-        const char *kind = body ? "body" : "layer";
-        CML_TRY(check_absorption(reader, scene, kind, number, medium));
+        const char *owner_word = body ? "body" : "layer";
+        CML_TRY(check_absorption(reader, scene, owner_word, number, medium));
         if (medium->phase)
-            CML_TRY(check_mean(reader, scene, kind, number, medium, mean[medium->phase->index]));
+            CML_TRY(check_mean(reader, scene, owner_word, number, medium, mean[medium->phase->index]));
     }
     return CML_OK;
 }
 
 /* ---- backing: the surface under the last boundary ---- */
 
+/* Reads a line `backing`, the surface under the last boundary: a metal of complex index, or a mirror or
+ * Lambertian reflector of reflectance R. */
 cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing)
 {
     char expected[CML_KEY_TEXT], either[CML_KEY_TEXT + 20];
@@ -229,6 +240,7 @@ cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def
 
 static const char *const rough_names[] = {"ggx", "beckmann"};
 
+/* Sets the distribution of slopes by its name; false if the name is unknown. */
 static bool set_rough_kind(const char *name, struct cml_rough_def *rough)
 {
     const int which = name ? cml_mci_choose(name, rough_names, 2) : -1;
@@ -236,6 +248,7 @@ static bool set_rough_kind(const char *name, struct cml_rough_def *rough)
     return which >= 0;
 }
 
+/* Reads the roughness of a body, as in rough=ggx,0.2; false if it is invalid. */
 bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
 {
     char name[16];
@@ -246,6 +259,7 @@ bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
            cml_key_parse(cml_keys_of(CML_KEYS_ROUGH), text + length + 1, &rough->alpha);
 }
 
+/* Reads a line `rough` of boundary number `index`: the distribution of facet slopes and its width alpha. */
 cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index, struct cml_rough_def *rough)
 {
     char field[48], expected[96];
@@ -264,6 +278,8 @@ cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index, struct c
     return CML_OK;
 }
 
+/* Refuses a rough last boundary over a Lambertian backing: light from the backing has no microfacet to
+ * pass. */
 cml_status cml_mci_check_rough(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const struct cml_rough_def *last = &scene->boundaries[scene->num_layers].rough;

@@ -22,6 +22,8 @@ static cml_status set(const struct cml_mci_reader *reader, const struct cml_sett
     return CML_OK;
 }
 
+/* Replaces the scale factors of boundary b by settings like boundary0.scale. They are needed before the
+ * shape is read, earlier than other settings. */
 cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, double *scale, double *height)
 {
     struct cml_boundary factors = {.scale = *scale, .height = *height};
@@ -50,7 +52,8 @@ struct name {
     const char *member;
 };
 
-/* Splits a name at its dot; false if it has none. Numbers must be written without a leading 0. */
+/* Splits a setting's name such as layer2.mua into owner, number and member; false if it has no dot. Numbers
+ * have no leading 0. */
 static bool split(const char *text, struct name *name)
 {
     const char *dot = strchr(text, '.');
@@ -73,7 +76,8 @@ enum owner { ABOVE, BELOW, LAYER, BODY, BOUNDARY, BACKING, BEAM, DETECTOR, NUM_O
 static const char *const owner_words[NUM_OWNERS] = {"above",    "below",   "layer", "body",
                                                     "boundary", "backing", "beam",  "detector"};
 
-/* Returns how many owners of a kind the scene has. */
+/* Returns how many owners of a kind the scene has: layers, bodies, beams and so on. --set names them by
+ * number. */
 static int count_of(const struct cml_scene *scene, enum owner owner)
 {
     const int counts[NUM_OWNERS] = {1,
@@ -100,8 +104,8 @@ static bool of_phase(enum cml_key_group group)
     return group >= CML_KEYS_HG2 && group <= CML_KEYS_GK;
 }
 
-/* Lists the groups of keys of the i-th owner (from 0). The group of its phase function, which media may
- * share, comes last. */
+/* Lists the groups of keys that --set can change of the i-th owner (from 0): a boundary, layer, body, beam
+ * and so on. The group of its phase function comes last. */
 static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cml_key_part *part)
 {
     if (owner == BEAM) cml_mci_beam_parts(scene, i, false, part);
@@ -128,7 +132,8 @@ static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cm
     *part = (struct cml_key_part){CML_KEYS_NONE, NULL};
 }
 
-/* Finds the owner of a name and its index *i; false if the scene has no such owner. */
+/* Finds what a setting's name belongs to, such as a layer or a beam, and its index *i; false if the scene
+ * has no such owner. */
 static bool find_owner(const struct cml_scene *scene, const struct name *name, enum owner *owner, int *i)
 {
     for (*owner = ABOVE; *owner < NUM_OWNERS; ++*owner) {
@@ -153,8 +158,9 @@ static const struct cml_key *find_key(enum cml_key_group group, const char *name
     return NULL;
 }
 
-/* Finds the member *key of the struct *base that a name means; *key NULL: none. A medium whose phase function
- * is meant gets its own copy of the function. */
+/* Finds the number that a setting's name means: its key, and the struct *base that contains it. *key is NULL
+ * if there is none. A medium whose phase function is meant gets its own copy of the function, since others
+ * may share it. */
 static cml_status find_number(struct cml_mci_reader *reader, struct cml_scene *scene, const struct name *name,
                               const struct cml_key **key, void **base)
 {
@@ -237,6 +243,7 @@ static void write_names(FILE *out, struct cml_scene *scene)
     }
 }
 
+/* Refuses a setting whose name the scene does not have, and lists the names that it has. */
 static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct cml_setting *setting,
                                struct cml_scene *scene)
 {
@@ -275,6 +282,8 @@ static cml_status find(struct cml_mci_reader *reader, struct cml_scene *scene, c
     return *key || !split(text, &name) ? CML_OK : find_number(reader, scene, &name, key, base);
 }
 
+/* Puts the values of all settings into the scene. place[] holds which number each setting changes, so that
+ * none is set twice under two names. */
 cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const struct cml_settings *settings = reader->options->settings;
@@ -293,6 +302,8 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
     return CML_OK;
 }
 
+/* Returns the number of the layer that a setting such as layer2.mua or epidermis.mua names; 0 if it names
+ * none. */
 int cml_mci_layer_of(const struct cml_scene *scene, const char *text)
 {
     struct name name;
@@ -318,6 +329,8 @@ cml_status cml_mci_is_setting(const struct cml_scene *scene, const char *text, b
     return status;
 }
 
+/* True if a column's quoted name was perhaps meant as a setting: a dot, a beginning like "layer", or a name
+ * similar to that of a number. */
 bool cml_mci_resembles_setting(const char *text)
 {
     struct cml_guess guess = {.word = text, .length = strlen(text)};
@@ -376,6 +389,7 @@ static const char *why_no_layer_name(const struct cml_scene *scene, int layer, c
     return NULL;
 }
 
+/* Cuts the word name=NAME off the end of a layer's line and gives the layer this name. */
 cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, int layer,
                               struct cml_scene *scene)
 {

@@ -10,6 +10,8 @@ static bool is_small(double value)
     return value > 0 && value < 1e-4;
 }
 
+/* Prints a value with its standard error, small values in powers of ten. NaN means that a single packet
+ * leaves no spread to take an error from. */
 void cml_report_estimate(FILE *stream, double value, double error)
 {
     const bool small = is_small(value);
@@ -97,7 +99,8 @@ static void print_rare(FILE *stream, const struct cml_result *result, int k)
         fprintf(stream, ", of %d of %d batches: too few to trust", batches, CML_NUM_BATCHES);
 }
 
-/* Prints the value of each detector. */
+/* Prints what each detector has seen, with its error. A detector that saw nothing gets a hint why. After
+ * MOST_MEDIA detectors, only the number of the others is printed. */
 static void print_detected(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;
@@ -127,6 +130,8 @@ static void print_flattened(FILE *stream, const struct cml_scene *scene)
         if (scene->boundaries[b].line > 0) fprintf(stream, "  boundary %d counts as a plane\n", b);
 }
 
+/* Prints the summary of `exact`: the order that was reached, then each total and each layer's absorption
+ * with its limit of error. The backing is left out if there is none. */
 void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     fprintf(stream, "%s (%s:%d): adding-doubling, order %d", scene->output, scene->file, scene->line,
@@ -147,6 +152,8 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
         fprintf(stream, "  errors are above the aim at the highest order that was tried\n");
 }
 
+/* Prints the exact totals of the flat scene, in which planes replace all shapes, so that a user sees what
+ * the shapes change. */
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     fprintf(stream, "  with planes in place of all shapes, by adding-doubling:");
@@ -156,7 +163,8 @@ void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const str
     fprintf(stream, ", errors <= %.1g\n", cml_exact_worst(exact));
 }
 
-/* Prints rare events, one line each, if they happened. */
+/* Prints warnings of rare events that happened in the run: lost packets with the command that traces them,
+ * limited splits, and weight outside of the grid. run: the number of the run in its file. */
 static void print_rarities(FILE *stream, const struct cml_result *result, double run)
 {
     static const struct {
@@ -207,8 +215,8 @@ static void print_seconds_to(FILE *stream, const struct cml_report *report)
     if (before[0] == ',') fputc('\n', stream);
 }
 
-/* Prints the expected values beside the counted ones, and how many times the photons their errors are worth.
- */
+/* Prints the expected values, which have smaller errors than the counted totals, and how many times the
+ * photons a counted total would need for the same error. */
 static void print_expected(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *sums = report->sums;
@@ -263,8 +271,9 @@ static void print_trapped(FILE *stream, const struct cml_result *result)
           stream);
 }
 
-/* Output files say `books` and `residue`; the code says weight balance and imbalance (kernels/balance.h).
- * Steps are interactions and boundary events. */
+/* Prints the summary of a finished run for people: results with errors, the balance of weight, rare events,
+ * and speed. Output says `books` and `residue` for the balance and what it leaves over. Steps are
+ * interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Allocates the points and corners of a boundary's drawn faces; their numbers are already set. */
 static cml_status allocate_faces(struct cml_faces *faces, struct cml_error *err)
 {
     const size_t point_bytes = faces->num_points * sizeof *faces->point;
@@ -49,7 +50,8 @@ static size_t segments_of(size_t rings)
     return rings < 50000 ? 64 : 8;
 }
 
-/* Makes the faces of a heightfield: ring i lies between points i and i + 1, and becomes n quadrangles. */
+/* Makes the faces by which a picture (.vtp) shows a radial heightfield: ring i lies between points i and i +
+ * 1 of the profile, and becomes n quadrangles around the axis. */
 static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces *faces,
                              struct cml_error *err)
 {
@@ -75,7 +77,8 @@ static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces
     return CML_OK;
 }
 
-/* The surface must not be a plane: facets of planes are pixels, which an image shows. */
+/* Makes the faces of a boundary for a .vtp file: triangles of a mesh, quadrangles of cones. The boundary
+ * must not be a plane: facets of planes are pixels, which an image shows. */
 cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces *faces, size_t *per_facet,
                             struct cml_error *err)
 {
@@ -131,6 +134,8 @@ static size_t facet_of(const struct cml_report *report, int k, const struct cml_
     return body->form == CML_BODY_SPHERE ? 0 : part_of_cylinder(body, mesh, triangle);
 }
 
+/* Makes room for more points and triangles of bodies in the lists that grow body by body. On failure the old
+ * lists stay valid, so the caller can free them. */
 static cml_status grow(struct cml_body_faces *drawn, size_t points, size_t faces, struct cml_error *err)
 {
     struct cml_faces *to = &drawn->faces;
@@ -144,7 +149,8 @@ static cml_status grow(struct cml_body_faces *drawn, size_t points, size_t faces
     return cml_fail_memory(err, (double)((to->num_faces + faces) * sizeof *drawn->face), "faces of bodies");
 }
 
-/* Adds the triangles of body k to the drawing. */
+/* Appends the triangles of body k to the drawing of all bodies. Each drawn face remembers its body, the
+ * scored facet that it belongs to, and the facet's area: a drawn sphere has many faces, but one facet. */
 static cml_status add_body(const struct cml_report *report, int k, const struct cml_mesh *mesh,
                            struct cml_body_faces *drawn, struct cml_error *err)
 {
@@ -166,6 +172,7 @@ static cml_status add_body(const struct cml_report *report, int k, const struct 
     return CML_OK;
 }
 
+/* Collects the triangles of all bodies as one list, which a .vtp file draws. */
 cml_status cml_report_body_faces(const struct cml_report *report, struct cml_body_faces *drawn,
                                  struct cml_error *err)
 {
@@ -182,6 +189,7 @@ cml_status cml_report_body_faces(const struct cml_report *report, struct cml_bod
     return status;
 }
 
+/* Frees a drawing of bodies. */
 void cml_report_body_faces_free(struct cml_body_faces *drawn)
 {
     free(drawn->faces.point);

@@ -40,12 +40,14 @@ static const cml_u128 *cells_of(const struct cml_field_source *source, size_t i)
     return source->cells + (source->face ? source->face[i].facet : i / source->per_facet) * source->stride;
 }
 
+/* Returns by what value i of a field is divided to become a density, such as an area; 1 if by nothing. */
 static double measure_of(const struct cml_field_source *source, size_t i)
 {
     return source->measure ? source->measure(source, i) : 1;
 }
 
-/* A cml_field_values: the values of a field of sums, as densities. */
+/* Computes values of a field from its sums, as densities. It is one of the functions cml_field_values that
+ * writers call block by block. */
 static void sums(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -55,7 +57,8 @@ static void sums(const void *context, size_t begin, size_t count, double *out)
             cml_result_once_sum(cells_of(source, i), source->count, source->once) * k / measure_of(source, i);
 }
 
-/* A cml_field_values: the standard errors of a field of sums. */
+/* Computes standard errors of a field of sums. It is one of the functions cml_field_values that writers call
+ * block by block. */
 static void errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -102,13 +105,15 @@ static double body_facet_area(const struct cml_field_source *source, size_t i)
     return cml_body_facet_area(body, &source->report->scene->bodies[k], i - body->first);
 }
 
-/* A cml_field_values: the measures themselves, such as areas of facets. */
+/* Gives the measure of each value as a field of its own, such as areas of facets. It is one of the functions
+ * cml_field_values that writers call block by block. */
 static void measures(const void *context, size_t begin, size_t count, double *out)
 {
     for (size_t i = begin; i < begin + count; i++) *out++ = measure_of(context, i);
 }
 
-/* A cml_field_values: the number of the body of each facet, from 1. */
+/* Gives the number of the body that each facet belongs to, from 1. It is one of the functions
+ * cml_field_values that writers call block by block. */
 static void body_numbers(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -118,8 +123,8 @@ static void body_numbers(const void *context, size_t begin, size_t count, double
 
 /* ---- axes ---- */
 
-/* Sets the middles of bins. x and y are centred on the z axis, as the map is; angles count from 0.
- */
+/* Sets the axes of fields: the middles of bins. x and y are centred on the z axis, as the map is; angles
+ * count from 0. */
 static void set_axes(struct cml_field_list *c)
 {
     const struct cml_scene *scene = c->report->scene;
@@ -156,7 +161,8 @@ static void set_boundary_axes(struct cml_field_list *c)
     }
 }
 
-/* Sets the x and y axes of each detector that is a map, about its middle. */
+/* Names and sets the x and y axes of each detector that is a map: middles of pixels around the detector's
+ * middle. */
 static void set_pixel_axes(struct cml_field_list *c)
 {
     static const enum cml_axis_kind kinds[2] = {CML_AXIS_x, CML_AXIS_y};
@@ -177,7 +183,8 @@ static void set_pixel_axes(struct cml_field_list *c)
 
 /* ---- the list ---- */
 
-/* Makes room for all quantities, nineteen fields of every boundary and two of every detector. */
+/* Makes an empty list of fields with room for all: every quantity, nineteen fields of each boundary, and two
+ * of each detector. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
@@ -201,6 +208,7 @@ cml_status cml_field_list_create(const struct cml_report *report, struct cml_fie
     return CML_OK;
 }
 
+/* Frees a list of fields and leaves it empty. */
 void cml_field_list_free(struct cml_field_list *c)
 {
     free(c->fields);
@@ -211,6 +219,7 @@ void cml_field_list_free(struct cml_field_list *c)
     *c = (struct cml_field_list){0};
 }
 
+/* Returns the field that was added last. */
 static struct cml_field *last_field(const struct cml_field_list *c)
 {
     return &c->fields[c->num_fields - 1];
@@ -299,6 +308,8 @@ static void add_cells(struct cml_field_list *c, enum cml_quantity quantity, enum
     if (groups || r->layout.parts[array] > 1) add_errors(c);
 }
 
+/* Adds every array of the result whose first axis is `first` as fields of a file. Arrays over an exit angle
+ * are left out if the scene asks for none. */
 void cml_add_fields(struct cml_field_list *c, enum cml_axis_kind first)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
@@ -315,6 +326,8 @@ void cml_add_fields(struct cml_field_list *c, enum cml_axis_kind first)
     }
 }
 
+/* Adds the maps of detectors as fields, per area of a pixel: only detector number `only`, or all detectors
+ * if only < 0. The maps of all detectors follow one another in one array. */
 void cml_add_detector_fields(struct cml_field_list *c, int only)
 {
     const struct cml_scene *scene = c->report->scene;
@@ -425,7 +438,8 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
     }
 }
 
-/* The plane around a boundary has no area to divide by, so its fields are shares of the launched weight. */
+/* Adds the light at the plane around boundary b, beyond the facets, as single values. The plane has no area
+ * to divide by, so values are shares of the launched weight. Also adds the areas of facets. */
 void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_result *r = c->report->sums;
@@ -447,6 +461,7 @@ void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *pre
     along_facets(c, b);
 }
 
+/* Adds the heights of a radial boundary b over radius, if it has few enough points to be useful in a file. */
 void cml_add_shape_field(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_boundary *boundary = &c->report->scene->boundaries[b];
@@ -477,6 +492,8 @@ static void add_body_scores(struct cml_field_list *c, const struct cml_body_face
     }
 }
 
+/* Adds what is known of each drawn face of bodies: the number of its body, and the light that its facet
+ * received and sent. */
 void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_faces *drawn)
 {
     c->axis[CML_AXIS_body_facet] = cml_quantity_axis(CML_AXIS_face, drawn->faces.num_faces, 0, 1);
@@ -485,6 +502,8 @@ void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_fa
     add_body_scores(c, drawn->face);
 }
 
+/* Adds fields over the facets of all bodies: the number of the body, the facet's area and what passed the
+ * facet. */
 void cml_add_body_fields(struct cml_field_list *c)
 {
     const struct cml_body_surfaces *bodies = &c->report->surfaces->bodies;
@@ -500,7 +519,8 @@ void cml_add_body_fields(struct cml_field_list *c)
 
 enum { SIDES = CML_FACET_EXITANCE_BELOW + 1 };
 
-/* Sets one of the fluxes of a body, the sum over its facets. */
+/* Computes one flux of a body (number `side` of its scores), summed over all its facets, and its standard
+ * error from the groups if facets are kept by group. */
 static void set_flux(const struct cml_report *report, const struct cml_body_surface *of, int side, size_t at,
                      struct cml_outcome *o)
 {
@@ -515,6 +535,8 @@ static void set_flux(const struct cml_report *report, const struct cml_body_surf
     if (step) o->error[CML_QUANTITY_flux_body][at] = cml_result_cell_error(sums, group, 1);
 }
 
+/* Fills the outcome with the flux through each side of each body, and with its standard errors if facets are
+ * kept by group. */
 cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *o,
                                   struct cml_error *err)
 {

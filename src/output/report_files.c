@@ -38,17 +38,20 @@ static bool wants_fields(const struct cml_scene *scene, const struct cml_report_
     return cml_hdf5_available() && (scene->format == 'B' || outgrows_mco(scene, asks));
 }
 
+/* Returns the options on which the set of written files depends. */
 static struct cml_report_asks asks_of(const struct cml_tally_grid *grid)
 {
     return (struct cml_report_asks){grid->absorption, grid->scores > 0 || grid->derivatives};
 }
 
-/* All files of a run share one stem, whichever of them the user has named. */
+/* Makes the name of a file of a run. All files share one stem, whichever of them the user has named;
+ * `suffix` makes the difference. */
 cml_status cml_report_path(const char *path, const char *suffix, char **result, struct cml_error *err)
 {
     return cml_text_format(result, "a path", err, "%.*s%s", (int)stem_length(path), path, suffix);
 }
 
+/* Frees the outcome and the file names of a report. */
 void cml_report_clear(struct cml_report *report)
 {
     for (int i = 0; i < report->num_files; i++) free(report->files[i]);
@@ -66,7 +69,8 @@ struct visit {
     void *context;
 };
 
-/* Calls the visitor for one file. suffix: behind the stem of the result; NULL: the result itself. */
+/* Calls the visitor for one file of the run. suffix: replaces the ending of the result's name; NULL: the
+ * result itself. */
 static cml_status visit(const struct visit *v, enum cml_report_content content, int of, const char *suffix,
                         struct cml_error *err)
 {
@@ -110,6 +114,8 @@ static cml_status visit_facets(const struct visit *v, const struct cml_scene *sc
     return scene->num_bodies > 0 ? visit(v, CML_FILE_BODIES, 0, ".bodies.vtp", err) : CML_OK;
 }
 
+/* Calls `each` for every file that a run writes for this scene: tables, the surface map, the volume, maps of
+ * detectors, facets. The one list serves writing, checking for old files, and --json. */
 cml_status cml_report_each_file(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 const struct cml_report_asks *asks, const char *path,
                                 cml_report_file_function *each, void *context, struct cml_error *err)
@@ -140,7 +146,8 @@ static void name_boundary(int b, char prefix[PREFIX])
     snprintf(prefix, PREFIX, "boundary%d_", b);
 }
 
-/* Fills the list with all fields of the .h5. */
+/* Collects all fields that the .h5 of a run contains: maps, voxels, light outside of them, detectors,
+ * bodies, and what belongs to each boundary. */
 static void fill_list(struct cml_field_list *list)
 {
     char prefix[PREFIX];
@@ -204,6 +211,7 @@ static struct cml_image image_of(const struct cml_scene *scene, const struct cml
         .spacing = {d->size[0], d->size[1], 1}};
 }
 
+/* Writes a .vti image of the surface map, the volume or one detector, whichever the file contains. */
 static cml_status write_image(const struct cml_report *report, const struct cml_report_file *file,
                               const char *path, struct cml_error *err)
 {
@@ -245,7 +253,8 @@ static cml_status write_mco(const struct cml_report *report, const char *path, s
     return cml_mco_write(path, &outcome, err);
 }
 
-/* Writes a file with the writer of its content. */
+/* Writes one file of a run: which function does it depends on the file's content, such as .mco, .h5 or a
+ * picture. */
 static cml_status write_file(struct cml_report *report, const struct cml_report_file *file, const char *path,
                              struct cml_error *err)
 {
@@ -280,6 +289,7 @@ static cml_status write_next(void *context, const struct cml_report_file *file, 
     return write_file(report, file, *name, err);
 }
 
+/* Computes the outcome of a run and writes all its files; report->files lists them. */
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
     const struct cml_report_asks asks = asks_of(&report->sums->grid);

@@ -19,7 +19,7 @@ static json_t *files_json(const struct cml_report *report)
     return list;
 }
 
-/* Sets the key NAME + end of a quantity to a value, unless the object has the key. */
+/* Sets a key of the JSON object, the quantity's name and `end`, to a value, unless the object has the key. */
 static void set_quantity(json_t *object, enum cml_quantity quantity, const char *end, const double *value)
 {
     char key[64];
@@ -77,8 +77,8 @@ static void set_results(json_t *object, const struct cml_report *report)
         if (cml_quantities[i].where & CML_IN_JSON) set_parts(object, o, (enum cml_quantity)i);
 }
 
-/* Sets times in seconds: `idle` is the wait for other ranks, `asking` the wait for photons, and `sums` the
- * time for summing results and writing checkpoints. */
+/* Returns a list of the ranks' times in seconds: `idle` is the wait for other ranks, `asking` the wait for
+ * photons, and `sums` the time for summing results and writing checkpoints. */
 static json_t *ranks_json(const struct cml_timing *timing)
 {
     json_t *list = json_array();
@@ -151,6 +151,7 @@ static void set_exact_totals(json_t *object, const struct cml_scene *scene, cons
     cml_json_set_real(object, "exact_error", worst);
 }
 
+/* Prints the result of `exact` as one line of JSON. */
 cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact,
                                  struct cml_error *err)
 {
@@ -162,7 +163,7 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
     return cml_json_print(stream, object, err);
 }
 
-/* Sets the values of --set and of a row of a sweep; all of them are numbers. */
+/* Returns an object with the values of --set and of a row of a sweep, from lines "NAME = NUMBER". */
 static json_t *settings_json(const char *text)
 {
     json_t *object = json_object();
@@ -202,7 +203,8 @@ static void set_saved(json_t *object, const struct cml_report *report)
                                   (json_int_t)kept.found, "covers", (json_int_t)report->covers));
 }
 
-/* Prints the record of a run as one object on one line. */
+/* Prints the result of a run as one JSON object on one line, for --json. Long lists stand as null in the
+ * object and are filled in when it is printed. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
     const struct cml_provenance *provenance = report->provenance;
@@ -253,6 +255,8 @@ static void rename_files(json_t *files, const char *folder, int slashes)
     }
 }
 
+/* Prints the JSON record of an earlier run for a result that was not flown again. The record's file names
+ * get the folder of the present `path`, because the result may have moved. */
 cml_status cml_report_json_again(FILE *stream, const char *json, const struct cml_scene *scene,
                                  const char *path, struct cml_error *err)
 {

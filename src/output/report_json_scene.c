@@ -36,7 +36,8 @@ static void set_rough(json_t *object, const struct cml_rough_def *rough)
                         json_pack("{s:s, s:f}", "kind", cml_rough_word(rough->kind), "alpha", rough->alpha));
 }
 
-/* Sets the representation of a boundary: plane, cones or mesh, and its bias. An unknown bias is infinite. */
+/* Returns an object that describes how a boundary is represented: as plane, cones or mesh, and its bias. An
+ * unknown bias is infinite. */
 json_t *cml_json_boundary(const struct cml_json_subject *subject, int b)
 {
     const struct cml_surface_def *def = &subject->surfaces->item[b];
@@ -52,7 +53,8 @@ json_t *cml_json_boundary(const struct cml_json_subject *subject, int b)
     return object;
 }
 
-/* Sets the key `phase` of a medium with a phase line: the words of the line. */
+/* Adds the key `phase`, the words of the phase line, to the object of a medium that has such a line; returns
+ * the object. */
 static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
 {
     char words[128] = "";
@@ -66,7 +68,8 @@ static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
     return medium;
 }
 
-/* Sets the numbers and flags of a scene's line, as in the file; base NULL: null for each. */
+/* Sets in a JSON object the numbers and flags that a line of the scene holds, as in the file. base: the
+ * struct with the values; NULL: null for each. */
 static void set_keys(json_t *object, enum cml_key_group group, const void *base)
 {
     for (const struct cml_key *key = cml_keys_of(group); key->group == group; key++) {
@@ -81,6 +84,7 @@ static void set_keys(json_t *object, enum cml_key_group group, const void *base)
     }
 }
 
+/* Returns a new JSON object with all keys of a group and their values in the struct `base`. */
 static json_t *keys_json(enum cml_key_group group, const void *base)
 {
     json_t *object = json_object();
@@ -145,8 +149,9 @@ static void set_box(json_t *object, const struct cml_scene_body *body)
     json_object_set_new(object, "upper", json_pack("[f,f,f]", upper[0], upper[1], upper[2]));
 }
 
-/* Returns what is said of body k. Its box and roughness stand in `check --json` alone, where mean shapes are
- * asked for; its absorption stands in the record of a run. */
+/* Describes body k as JSON: form, representation, host and optical properties. `check --json` adds the box
+ * and the roughness (subject->mean is set); the record of a run adds the absorption (subject->sums is
+ * set). */
 json_t *cml_json_body(const struct cml_json_subject *subject, int k)
 {
     const struct cml_scene *scene = subject->scene;
@@ -164,6 +169,8 @@ json_t *cml_json_body(const struct cml_json_subject *subject, int k)
     return with_phase(body, scene->media[m].phase);
 }
 
+/* Describes layer l (0 is the top one) as JSON for `check --json`: optical properties, mean thickness, name
+ * and phase function. */
 static json_t *layer_json(const struct cml_json_subject *subject, int l)
 {
     const struct cml_medium_def *medium = &subject->scene->media[l + 1];
@@ -191,6 +198,8 @@ static json_t *detector_json(const struct cml_json_subject *subject, int k)
     return object;
 }
 
+/* Describes the line `saved` as JSON: the name of its file, the limit of packets, and the largest size of
+ * the file in bytes. */
 static json_t *saved_json(const struct cml_scene *scene)
 {
     const struct cml_saved_def *saved = &scene->saved;
@@ -201,6 +210,7 @@ static json_t *saved_json(const struct cml_scene *scene)
                      (json_int_t)cml_saved_file_bytes(&kind));
 }
 
+/* Describes the exact totals of the flat scene as JSON; null if they are not known. */
 static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *flat)
 {
     if (!flat) return json_null();
@@ -221,6 +231,8 @@ static cml_status deal_beams(struct cml_json_subject *subject, uint64_t photons,
     return cml_deal_numbers(scene->shares, scene->num_beams, photons, subject->dealt, err);
 }
 
+/* Prints an array of JSON elements one by one, because a long list as one object would take much memory.
+ * Returns nonzero if an element could not be made or printed. */
 static int print_list(FILE *stream, const struct cml_json_list *list, const struct cml_json_subject *subject)
 {
     int failed = 0;
@@ -261,6 +273,8 @@ static cml_status print_object(FILE *stream, json_t *object, const struct cml_js
     return failed ? cml_fail_memory(err, 1, "the JSON record") : CML_OK;
 }
 
+/* Prints a JSON object, in which a null member named like one of the lists is replaced by that list's
+ * elements. `photons` are dealt to the beams, whose numbers the beams' elements show. Frees the object. */
 cml_status cml_json_print_lists(FILE *stream, json_t *object, const struct cml_json_list *lists,
                                 size_t num_lists, struct cml_json_subject *subject, uint64_t photons,
                                 struct cml_error *err)
@@ -274,6 +288,9 @@ cml_status cml_json_print_lists(FILE *stream, json_t *object, const struct cml_j
     return status;
 }
 
+/* Prints the JSON object of `check --json`: what the program has read from a scene, with units converted and
+ * defaults filled in. The long lists (layers, beams ...) stand as null in the object and are filled in when
+ * it is printed. */
 cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                  const struct cml_surface_set *surfaces, const struct cml_sweep_size *sweep,
                                  double bytes, const int *starts, const struct cml_mean_shapes *mean,

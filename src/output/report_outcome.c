@@ -41,6 +41,8 @@ static cml_status fill_input(const struct cml_report *report, struct cml_outcome
     return CML_OK;
 }
 
+/* Copies n, mua, mus and g of all bodies into the outcome. Media of bodies stand behind those of the layers,
+ * the medium above and the medium below, hence `+ 2`. */
 static cml_status fill_bodies(const struct cml_scene *scene, struct cml_outcome *o, struct cml_error *err)
 {
     double **to = &o->value[CML_QUANTITY_body_n];
@@ -100,6 +102,8 @@ static cml_status fill_extents(const struct cml_report *report, struct cml_outco
     return CML_OK;
 }
 
+/* Describes shapes, beam, phase functions and detectors of the scene in words, as four texts of the outcome.
+ * `reader` decides how long lists may be. */
 cml_status cml_report_words(struct cml_report *report, enum cml_report_reader reader, struct cml_error *err)
 {
     struct cml_outcome *o = &report->outcome;
@@ -120,7 +124,8 @@ cml_status cml_report_words(struct cml_report *report, enum cml_report_reader re
     return status;
 }
 
-/* Sets report->covers if packets are saved. */
+/* Finds for how many photons the saved packets are complete, if packets are saved, and stores the number in
+ * report->covers. */
 static cml_status count_covers(struct cml_report *report, struct cml_error *err)
 {
     const struct cml_scene *scene = report->scene;
@@ -149,7 +154,8 @@ static double scale_of(const struct cml_report *report, int k, bool by_mus)
     return ends || mut > 0 ? -1 / cml_score_unit(mut) : NAN;
 }
 
-/* Sets column k of a derivative from the sums of its score. */
+/* Fills column k (a medium) of the derivative `quantity` from the sums of the medium's score. `scale` turns
+ * a score into a derivative and may be negative, hence fabs for the error. */
 static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity quantity, int k, double scale,
                               struct cml_outcome *o, struct cml_error *err)
 {
@@ -166,7 +172,8 @@ static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity 
     return CML_OK;
 }
 
-/* Computes the derivatives by mua or mus of medium k from its score. */
+/* Computes the derivatives with respect to mua or mus (by_mus) of medium k. The medium's score has sums like
+ * a result of its own, which are turned into quantities first. */
 static cml_status take_score(const struct cml_report *report, int k, bool by_mus, struct cml_outcome *o,
                              struct cml_error *err)
 {
@@ -196,6 +203,8 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
     return status;
 }
 
+/* Fills in the derivatives of the totals. Each medium has two scores, for mua and for mus, hence score / 2
+ * and score % 2. */
 static cml_status fill_derivatives(const struct cml_report *report, struct cml_outcome *o,
                                    struct cml_error *err)
 {
@@ -206,7 +215,8 @@ static cml_status fill_derivatives(const struct cml_report *report, struct cml_o
 
 /* ---- the whole outcome ---- */
 
-/* Fills the outcome; steps that may fail come first. */
+/* Computes all that .mco and .h5 of the run contain besides fields. Steps that can fail for lack of memory
+ * come first. */
 static cml_status fill(struct cml_report *report, struct cml_error *err)
 {
     struct cml_outcome *o = &report->outcome;
@@ -226,6 +236,7 @@ static cml_status fill(struct cml_report *report, struct cml_error *err)
     return fill_derivatives(report, o, err);
 }
 
+/* Computes everything that an .mco and .h5 of the run contain, except for fields. */
 cml_status cml_report_outcome(struct cml_report *report, struct cml_error *err)
 {
     report->outcome = (struct cml_outcome){0};
@@ -250,6 +261,7 @@ static void print_medium(FILE *stream, const struct cml_outcome *o, int k)
     fputs(" cm\n", stream);
 }
 
+/* Prints the derivatives of Rd and Tt with respect to mua and mus of each medium. */
 void cml_report_print_derivatives(FILE *stream, const struct cml_report *report)
 {
     enum { MOST = 16 }; /* the files have all media */

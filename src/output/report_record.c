@@ -41,6 +41,8 @@ static void record_numbers(const struct cml_outcome *o, struct cml_record *recor
     }
 }
 
+/* Makes the short record of a finished run: its numbers, and the line of --json. A sweep shows the record
+ * again when it skips a finished row. */
 cml_status cml_report_record(const struct cml_report *report, struct cml_record *record,
                              struct cml_error *err)
 {
@@ -53,6 +55,7 @@ cml_status cml_report_record(const struct cml_report *report, struct cml_record 
     return status;
 }
 
+/* Copies the record of an earlier run, with the JSON text's file names as they are now. */
 cml_status cml_report_record_again(const struct cml_scene *scene, const char *path,
                                    const struct cml_record *before, struct cml_record *record,
                                    struct cml_error *err)

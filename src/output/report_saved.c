@@ -61,7 +61,8 @@ static inline __attribute__((always_inline)) void gather(const char *at, size_t 
     }
 }
 
-/* A cml_field_values: the values of one property of saved packets. */
+/* Gives one property of all saved packets as a column. It is one of the functions cml_field_values that
+ * writers call block by block. */
 static void column_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct column *c = context;
@@ -74,7 +75,8 @@ static void column_values(const void *context, size_t begin, size_t count, doubl
     if (p->type == TYPE_COUNT) gather(at, stride, m, each, count, TYPE_COUNT, p->unit, out);
 }
 
-/* Writes the file. indices: [kept] photon numbers, the axis of the arrays. */
+/* Writes the .h5 of saved packets: attributes of the run, and one array for each property of packets.
+ * indices: the packets' numbers, which are the axis of the arrays; kept: how many were found and kept. */
 static cml_status write(const struct cml_report *report, const char *path, const struct cml_saved_sums *kept,
                         double *indices, struct cml_error *err)
 {
@@ -118,6 +120,8 @@ static cml_status write(const struct cml_report *report, const char *path, const
     return cml_hdf5_write(path, attributes, n, &call, fields, num_fields, err);
 }
 
+/* Writes the file of saved packets, one row per packet in rising order of index. The array has one element
+ * more than packets, so that malloc(0) cannot return NULL. */
 cml_status cml_report_write_saved(struct cml_report *report, const char *path, struct cml_error *err)
 {
     struct cml_saved *saved = report->sums->saved;
@@ -129,6 +133,7 @@ cml_status cml_report_write_saved(struct cml_report *report, const char *path, s
     return write(report, path, &kept, indices, err);
 }
 
+/* Makes the name of the file of saved packets: NAME.photons.h5 in the folder of the result. */
 cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path, char **result,
                                  struct cml_error *err)
 {
@@ -137,6 +142,8 @@ cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path
     return cml_text_format(result, "a path", err, "%.*s%s.photons.h5", folder, path, scene->saved.name);
 }
 
+/* Returns the bytes that a file of saved packets takes at most. Each packet has an index (8 bytes) and its
+ * properties: 8 bytes for whole numbers, 4 for others, once or once for each medium. */
 double cml_saved_file_bytes(const struct cml_saved_kind *kind)
 {
     double row = sizeof(double);

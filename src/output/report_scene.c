@@ -31,12 +31,15 @@ static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader re
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
 }
 
+/* Returns the word for a kind of backing. */
 const char *cml_backing_word(enum cml_backing_kind kind)
 {
     static const char *const words[] = {"", "mirror", "lambertian", "metal"};
     return words[kind];
 }
 
+/* Prints the backing below the last layer: its kind with the reflectance R, or for a metal the complex index
+ * of refraction. Prints nothing if there is no backing. */
 static void print_backing(FILE *stream, const char *prefix, const struct cml_backing_def *backing)
 {
     if (backing->kind == CML_BACKING_NONE) return;
@@ -47,6 +50,7 @@ static void print_backing(FILE *stream, const char *prefix, const struct cml_bac
         fprintf(stream, "R = %.15g\n", backing->R);
 }
 
+/* Names a medium by its number: 0 is above, then the layers, one below, and then the bodies. */
 void cml_medium_name(const struct cml_scene *scene, int medium, char name[CML_MEDIUM_NAME])
 {
     const int body = medium - scene->num_layers - 1;
@@ -56,6 +60,8 @@ void cml_medium_name(const struct cml_scene *scene, int medium, char name[CML_ME
         snprintf(name, CML_MEDIUM_NAME, "%s %d", body > 0 ? "body" : "layer", body > 0 ? body : medium);
 }
 
+/* Prints the phase functions of all media that have one of their own, and the backing. People see the first
+ * 20 (`most`) and how many more there are; files name all. */
 void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        enum cml_report_reader reader)
 {
@@ -82,6 +88,8 @@ static void print_depths(FILE *stream, const struct cml_surface_def *def, enum c
         fprintf(stream, " (z = %.9g to %.9g cm)", def->depth + def->lowest, def->depth + def->highest);
 }
 
+/* Finds the least and the largest distance from the z axis of a body's bounding box. Along each axis the
+ * closest point is 0 if the box contains 0. */
 void cml_report_reach(const struct cml_body_surface *body, double *least, double *most)
 {
     double closest[2], farthest[2];
@@ -103,6 +111,7 @@ static void print_extent(FILE *stream, const struct cml_body_surface *body, enum
             body->depth + body->upper[2], least, most);
 }
 
+/* Prints the roughness of a surface, if it has any. */
 static void print_roughness(FILE *stream, const struct cml_rough_def *rough)
 {
     if (cml_is_rough(rough)) fprintf(stream, ", rough %s %.9g", cml_rough_word(rough->kind), rough->alpha);
@@ -185,12 +194,14 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
     report_bodies(stream, prefix, scene, &surfaces->bodies, reader);
 }
 
+/* Returns the word for a kind of light in a beam's line. */
 const char *cml_light_word(enum cml_light_kind kind)
 {
     static const char *const words[] = {"parallel", "na", "lambertian", "isotropic", "table"};
     return words[kind];
 }
 
+/* Prints the angular distribution of a beam's light. Nothing for parallel light, the usual case. */
 static void report_light(FILE *stream, const struct cml_light *light)
 {
     if (light->kind == CML_LIGHT_OF_PARALLEL) return;
@@ -199,12 +210,14 @@ static void report_light(FILE *stream, const struct cml_light *light)
     if (light->kind == CML_LIGHT_OF_NA) fprintf(stream, ":%g", light->na);
 }
 
+/* Returns the word for a beam's shape. */
 const char *cml_beam_word(enum cml_beam_shape kind)
 {
     static const char *const words[] = {"pencil", "disk", "gaussian", "ring", "rectangle", "image"};
     return words[kind];
 }
 
+/* Prints the shape of a beam and its size in cm. */
 static void report_beam_shape(FILE *stream, const struct cml_beam *beam)
 {
     fprintf(stream, "beam %s", cml_beam_word(beam->shape));
@@ -216,6 +229,8 @@ static void report_beam_shape(FILE *stream, const struct cml_beam *beam)
         fprintf(stream, " of %g x %g cm", beam->size[0], beam->size[1]);
 }
 
+/* Prints beam k: shape, place, direction, light, share of the photons, and the medium it starts in. The
+ * checksum stands for an image or table that is too long to print. */
 void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k,
                      const int *starts)
 {
@@ -239,12 +254,14 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *s
     fputc('\n', stream);
 }
 
+/* Prints a line for each beam that the file gives; MCML's own pencil beam needs no line. */
 void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene, const int *starts)
 {
     for (int k = 0; k < scene->num_beams; k++)
         if (scene->beams[k].given) cml_report_beam(stream, prefix, scene, k, starts);
 }
 
+/* Returns the word for a detector's shape. A ring with inner radius 0 is called a disk. */
 const char *cml_detector_word(const struct cml_detector_def *detector)
 {
     static const char *const words[] = {"ring", "rectangle", "map"};
@@ -268,6 +285,7 @@ static void report_detector(FILE *stream, const char *prefix, const struct cml_d
     fputs(detector->diffuse ? ", diffuse light\n" : "\n", stream);
 }
 
+/* Prints a line for each detector; people see the first 20 (`most`) and how many more there are. */
 void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_scene *scene,
                           enum cml_report_reader reader)
 {

@@ -16,7 +16,7 @@ struct fields {
     int count;
 };
 
-/* Sets the axes to the middles of bins. Layers and bodies are numbered from 1. */
+/* Sets the axes of the .h5's fields: the middles of bins; layers and bodies are numbered from 1. */
 static void set_axes(struct fields *f, const struct cml_outcome *o)
 {
     const double da = cml_angle_width(o->na);
@@ -35,6 +35,7 @@ static void set_axes(struct fields *f, const struct cml_outcome *o)
     }
 }
 
+/* True if the run did not tally absorption by place (--ignore-absorption). */
 static bool lacks_absorption(const struct cml_outcome *o)
 {
     return o->provenance.value[CML_DECIDES_absorption] == 0;
@@ -79,6 +80,7 @@ static void add_part(struct fields *f, const struct cml_outcome *o, enum cml_qua
     errors->context = o->error[quantity] + first;
 }
 
+/* True if a field of this name is in the list already. */
 static bool has_field(const struct fields *f, const char *name)
 {
     for (int i = 0; i < f->count; i++)
@@ -118,6 +120,7 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
     return (int)(a - attributes);
 }
 
+/* Writes a result's .h5: the attributes of the outcome, those of the caller (`more`), and the fields. */
 static cml_status write_fields(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                                const struct fields *f, struct cml_error *err)
 {
@@ -127,8 +130,8 @@ static cml_status write_fields(const char *path, const struct cml_outcome *o, co
     return cml_hdf5_write(path, attributes, count, &more->call, f->field, f->count, err);
 }
 
-/* Values of the fields in `more` are computed while they are written, so they are never in memory as a
- * whole. */
+/* Writes the .h5 of a result: all its quantities, and the fields in `more`, whose values are computed while
+ * they are written, so that they are never in memory as a whole. */
 cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                         struct cml_error *err)
 {

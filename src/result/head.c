@@ -23,7 +23,8 @@ struct reader {
     bool classic; /* the file is from --classic: it ends behind MCML's sections, without a mark */
 };
 
-/* Returns the next line that is not just a comment; NULL at the end. */
+/* Returns the next line of an .mco that holds more than a comment; NULL at the end. On the way, notes the
+ * run's identity, which stands in the comment with the user time. */
 static char *next_line(struct reader *r)
 {
     char *line;
@@ -39,6 +40,7 @@ static char *next_line(struct reader *r)
     return line;
 }
 
+/* Reads the next word of a line as a whole number above 0; false if there is none. */
 static bool next_count(char **line, uint64_t *count)
 {
     const char *word = *line ? cml_text_word(line) : NULL;
@@ -64,7 +66,8 @@ static bool cut_comment(char *line)
     return good;
 }
 
-/* True if a line holds only numbers and a comment, or the name of the next section. */
+/* True if a line of an .mco holds only numbers and a comment, which shows that it is undamaged, or the name
+ * of the next section. Counts the numbers of the sections that must be complete. */
 static bool is_sound(struct reader *r, char *line, bool may_be_key)
 {
     double number;
@@ -79,7 +82,8 @@ static bool is_sound(struct reader *r, char *line, bool may_be_key)
     return true;
 }
 
-/* Reads the head up to the number of layers. The line behind the file name holds the number of photons. */
+/* Reads the head of an .mco up to the number of layers; false if it is none. The line behind the file name
+ * holds the number of photons. */
 static bool read_head(struct reader *r)
 {
     uint64_t nz, nr, na, layers;
@@ -99,7 +103,8 @@ static bool read_head(struct reader *r)
     return true;
 }
 
-/* True if the rest of a file of this program is whole. */
+/* True if the rest of an .mco is complete: every line sound, all sections and numbers there, and the mark of
+ * the end as the last line. Files of --classic have no such mark. */
 static bool is_whole(struct reader *r)
 {
     bool may_be_key = false;
@@ -117,6 +122,7 @@ static bool is_whole(struct reader *r)
     return behind[strspn(behind, " \t\r\n")] == '\0';
 }
 
+/* True if a file has no control characters besides tabs and ends of lines; a binary file would have some. */
 static bool is_text(const struct cml_text *text)
 {
     for (size_t i = 0; i < text->size; i++)
@@ -124,7 +130,8 @@ static bool is_text(const struct cml_text *text)
     return true;
 }
 
-/* Reads the head of an .mco. A file without an identity is not checked beyond its head. */
+/* Reads the head of an .mco; false if it is none. A file without an identity is not checked beyond its
+ * head. */
 static bool read_mco(const char *path, struct cml_head *head)
 {
     struct reader r = {.head = head};
@@ -137,6 +144,8 @@ static bool read_mco(const char *path, struct cml_head *head)
 
 /* ---- .h5 ---- */
 
+/* Reads the number of photons and the identity of an .h5 result. Refuses a photon number that is no whole
+ * number below 2^53, above which a double cannot hold every whole number. */
 static bool read_h5(const char *path, struct cml_head *head)
 {
     struct cml_hdf5_head found;
@@ -150,6 +159,7 @@ static bool read_h5(const char *path, struct cml_head *head)
     return true;
 }
 
+/* Reads the head of a result, .mco or .h5. False if the path leads to no whole result. */
 bool cml_head_read(const char *path, struct cml_head *head)
 {
     struct stat about;

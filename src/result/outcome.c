@@ -13,7 +13,7 @@
 
 /* ---- sizes ---- */
 
-/* Looks up the number of bins by the kind of the axis. */
+/* Returns the number of bins of an axis, such as layers or radii. */
 int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
 {
     const int bins[CML_NUM_AXES] = {[CML_AXIS_layer] = o->num_layers,
@@ -32,6 +32,7 @@ int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
     return bins[axis];
 }
 
+/* Returns the number of cells of a quantity: the product of its axes' numbers of bins. */
 size_t cml_outcome_size(const struct cml_outcome *o, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
@@ -60,8 +61,9 @@ static enum cml_axis_kind last_axis(const struct cml_quantity_info *info)
     return info->axis[last];
 }
 
-/* Returns the measure by which value `number` of a quantity is divided to become a density (scaling.h), with
- * the length of gates. Angles count by projected solid angle in arrays over r, else by solid angle. */
+/* Returns by what the sum in bin `number` of a quantity is divided to become a density: the bin's area,
+ * depth, solid angle and length of time, as far as the quantity has these axes (scaling.h). Angles of arrays
+ * over r count by projected solid angle, others by solid angle. */
 static double measure_of(const struct cml_outcome *o, enum cml_quantity quantity, size_t number)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
@@ -94,6 +96,8 @@ static const char *ending_of(enum cml_quantity quantity)
     return cml_quantities[quantity].name + strlen("detector");
 }
 
+/* Writes the name that a quantity has in JSON and in files; quantities of a detector contain the name of
+ * detector number `part`. */
 void cml_outcome_key(const struct cml_outcome *o, enum cml_quantity quantity, int part,
                      char key[CML_OUTCOME_KEY])
 {
@@ -105,6 +109,7 @@ void cml_outcome_key(const struct cml_outcome *o, enum cml_quantity quantity, in
 
 /* ---- memory ---- */
 
+/* Allocates the values of a quantity, or its standard errors, filled with zeros; an existing array stays. */
 cml_status cml_outcome_add(struct cml_outcome *o, enum cml_quantity quantity, bool errors,
                            struct cml_error *err)
 {
@@ -123,6 +128,7 @@ static bool is_of_mcml(enum cml_quantity quantity)
            (quantity >= CML_QUANTITY_layer_n && quantity <= CML_QUANTITY_Tt_ra);
 }
 
+/* Frees the values and standard errors of all quantities. */
 static void free_arrays(struct cml_outcome *o)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
@@ -140,6 +146,7 @@ static double numbers_of(const struct cml_outcome *o)
     return nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na + (1.0 + CML_LAYER_NUMBERS) * o->num_layers;
 }
 
+/* Allocates the arrays that an .mco file of original MCML must have, zero where nothing was tallied. */
 cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
 {
     const double bytes = (double)sizeof(double) * numbers_of(o);
@@ -180,8 +187,10 @@ static double density(const struct cml_outcome *o, enum cml_quantity quantity, d
     return over_depth ? sum * per_photon / measure : sum * (per_photon / measure);
 }
 
-/* Computes value i of a quantity from the cells of an array. Sums by medium begin with the medium above;
- * outer media absorb nothing. Fluence is the sum of weight times length (rule P14). */
+/* Returns value i of a quantity, and its standard error in *error, from the sums of an array. An array over
+ * media begins with the medium above, which absorbs nothing, hence `first` skips it for layers, and all
+ * layers for bodies. Fluence is the sum of weight times length in units of `length` (P14), and densities are
+ * divided by `measure`. */
 static double of_cells(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                        int i, double *error)
 {
@@ -236,7 +245,8 @@ static double expected_of(const struct cml_result *sums, enum cml_quantity quant
     return value;
 }
 
-/* Returns value i of a quantity, from the sums that its estimator uses. */
+/* Returns value i of a quantity, and sets *error to its standard error if it has one, from the sums that the
+ * quantity is computed from. */
 static double number_of(const struct cml_outcome *o, const struct cml_result *sums,
                         enum cml_quantity quantity, int size, int i, double *error)
 {
@@ -272,7 +282,8 @@ static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sum
     return sums->array[info->sums] != NULL;
 }
 
-/* Fills in a quantity and, if it has any, its standard errors. */
+/* Computes a quantity from the sums of a run, with its standard errors unless the sums cannot give them
+ * (`alone`: one copy of the array). Nothing is done for a quantity that was not tallied. */
 static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                        struct cml_error *err)
 {
@@ -291,6 +302,7 @@ static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enu
     return CML_OK;
 }
 
+/* Computes all quantities of a run from its integer sums, and copies the list of lost photons as text. */
 cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums, struct cml_error *err)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++)

@@ -22,6 +22,8 @@ static void identify_text(FILE *out, const char *name, const char *text)
     fprintf(out, "%s %s\n", text ? name : "no", text ? text : name);
 }
 
+/* Writes everything besides the scene that decides the bits of a result: engine, aim and options. The text
+ * is hashed into the result's identity. */
 void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance)
 {
     identify_text(out, "engine", provenance->engine);
@@ -40,6 +42,8 @@ static void print_form(FILE *out, const char *form, double value)
     if (strcmp(form + words, "%g") == 0) fprintf(out, "%g", value);
 }
 
+/* Prints the comment line of an .mco that names the engine and the options that were not left at their
+ * defaults. */
 void cml_provenance_print(FILE *out, const struct cml_provenance *provenance)
 {
     fprintf(out, "# engine %s", provenance->engine);

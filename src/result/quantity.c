@@ -48,13 +48,15 @@ struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double firs
     return (struct cml_axis){axes[kind].name, axes[kind].long_name, axes[kind].units, n, first, step, NULL};
 }
 
+/* True if a name has this ending. */
 static bool ends_in(const char *name, const char *ending)
 {
     const size_t length = strlen(name), size = strlen(ending);
     return length >= size && strcmp(name + length - size, ending) == 0;
 }
 
-/* Tries the endings of all quantities of detectors first, then those of additional fields. */
+/* Returns the ending of a name if it is one that results of detectors have, such as "_t" or "_se"; NULL
+ * otherwise. A detector with such a name would make result names ambiguous. */
 const char *cml_quantity_ending(const char *name)
 {
     /* Endings of fields: gates, errors, axes of pixels, pixels outside. */
@@ -71,6 +73,7 @@ const char *cml_quantity_ending(const char *name)
     return NULL;
 }
 
+/* Names a field after its quantity. */
 void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity)
 {
     snprintf(field->name, sizeof field->name, "%s", cml_quantities[quantity].name);
@@ -78,6 +81,8 @@ void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity)
     field->units = cml_quantities[quantity].units;
 }
 
+/* Makes a field `errors` the standard error of the field `of`: the same axes and units, and the name with
+ * the ending _se. */
 void cml_quantity_name_errors(struct cml_field *errors, struct cml_field *of)
 {
     snprintf(errors->name, sizeof errors->name, "%.50s_se", of->name);

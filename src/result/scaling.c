@@ -25,6 +25,8 @@ double cml_projected_solid_angle(double da, int ia)
     return 2 * CML_PI * sin(da / 2) * sin(2 * (ia + 0.5) * da);
 }
 
+/* Returns the solid angle (sr) of a bin of directions. With cos differences as a product of sines no digits
+ * are lost: cos(a) - cos(b) = 2 sin((a + b) / 2) sin((b - a) / 2). */
 double cml_direction_solid_angle(int nt, int np, int it)
 {
     const double dt = cml_angle_width(nt);

@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-/* Returns the sums of the times of all ranks; `asking` is all communication, requests and sums. */
+/* Returns the times of all ranks added up. In the sum, `asking` stands for all communication: requests of
+ * work and adding up of results. */
 static struct cml_rank_report sum_of(const struct cml_timing *timing)
 {
     struct cml_rank_report sum = {0};
@@ -29,12 +30,15 @@ double cml_timing_idle(const struct cml_timing *timing)
     return sum.elapsed > 0 ? sum.waiting / sum.elapsed : 0;
 }
 
+/* Returns the share of all ranks' time that was spent on communication. */
 double cml_timing_communication(const struct cml_timing *timing)
 {
     const struct cml_rank_report sum = sum_of(timing);
     return sum.elapsed > 0 ? sum.asking / sum.elapsed : 0;
 }
 
+/* Returns where number i of a kind stands in the record, in which the kinds follow one another; -1 if there
+ * are not so many. */
 int cml_record_find(const struct cml_record *record, enum cml_recorded kind, int i)
 {
     if (i >= record->count[kind]) return -1;
@@ -42,6 +46,7 @@ int cml_record_find(const struct cml_record *record, enum cml_recorded kind, int
     return i;
 }
 
+/* Appends a number and its standard error to the record. Kinds must come in their order. */
 void cml_record_add(struct cml_record *record, enum cml_recorded kind, double value, double error)
 {
     const int at = cml_record_find(record, kind, (int)record->count[kind]++);
@@ -49,6 +54,8 @@ void cml_record_add(struct cml_record *record, enum cml_recorded kind, double va
     record->error[at] = error;
 }
 
+/* True if the counts of a record read from a file fit the record's arrays, so that a damaged file cannot
+ * lead to reads beyond them. */
 bool cml_record_is_sound(const struct cml_record *record)
 {
     const int64_t *n = record->count, fluxes = n[CML_RECORDED_FLUXES];

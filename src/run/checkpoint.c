@@ -32,17 +32,21 @@ static const char magic[24] = CML_CHECKPOINT_MAGIC;
 #define ORDER 0x0102030405060708u /* a machine of the other byte order reads another number */
 #define VERSION 16u               /* version of this layout; the program refuses any other */
 
+/* Makes the name of the checkpoint of a result. */
 cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
 {
     return cml_text_format(path, "a path", err, "%s.checkpoint", output);
 }
 
+/* Makes the name of the file of a part, such as NAME.part2of7. */
 cml_status cml_part_path(const char *output, struct cml_part part, char **path, struct cml_error *err)
 {
     return cml_text_format(path, "a path", err, "%s.part%" PRIu64 "of%" PRIu64, output, part.number,
                            part.count);
 }
 
+/* Returns the photons of a round (begin to end - 1) that part number K of N flies: the K-th of N equal
+ * stretches. A whole run (count 0) flies all. */
 struct cml_range cml_part_turns(struct cml_part part, uint64_t begin, uint64_t end)
 {
     const cml_u128 turns = end - begin;
@@ -69,8 +73,9 @@ static void put(struct sink *sink, const void *data, size_t size)
     sink->sum = crc32_z(sink->sum, data, size);
 }
 
-/* Writes the whole checkpoint. record NULL: the run is not finished, and `call` is the text behind the head.
- */
+/* Writes a whole checkpoint: head, identity, text, open ranges, summary, sums, saved packets, checksum. A
+ * finished run has a record, whose JSON is the text; otherwise record is NULL and the text is `call`, the
+ * command line. result NULL: no sums are kept. */
 static void write_all(FILE *stream, const char *identity, const char *call, const struct cml_run_state *state,
                       const struct cml_record *record, struct cml_result *result)
 {
@@ -137,6 +142,7 @@ cml_status cml_checkpoint_write(const char *path, const char *identity, const ch
     return status;
 }
 
+/* Removes the older version of a checkpoint, if there is one. */
 void cml_checkpoint_remove_older(const char *path)
 {
     struct cml_error ignored;
@@ -145,6 +151,7 @@ void cml_checkpoint_remove_older(const char *path)
     free(old);
 }
 
+/* Writes the checkpoint of a finished run and removes the older one, which is of no more use. */
 cml_status cml_checkpoint_finish(const char *path, const char *identity, const struct cml_run_state *state,
                                  const struct cml_record *record, struct cml_result *result,
                                  struct cml_error *err)
@@ -188,7 +195,7 @@ static bool get(struct source *source, void *data, uint64_t count, size_t size)
     return true;
 }
 
-/* Compares the whole file with the checksum at its end. */
+/* Compares the whole file with the checksum at its end, and goes back to the beginning. */
 static cml_status check_sum(struct source *source, struct cml_error *err)
 {
     enum { BLOCK = 1 << 16 };
@@ -227,8 +234,8 @@ static cml_status read_head(struct source *source, struct cml_error *err)
                                                                  : fail_damaged(source, "cut short", err);
 }
 
-/* The size in the line of an input file, "53 bytes, crc32 ..." of "input x.mci of 53 bytes, crc32 ..."; NULL:
- * the line is about something else. */
+/* Returns where the size and checksum begin in an identity's line about an input file: "53 bytes, crc32 ..."
+ * in "input x.mci of 53 bytes, crc32 ...". NULL for any other line. */
 static const char *find_size(const char *line)
 {
     const char *size = NULL;
@@ -238,8 +245,8 @@ static const char *find_size(const char *line)
     return size;
 }
 
-/* Names the first line in which the two identities differ. For an input file of the same name, the message
- * says that its contents differ. */
+/* Refuses a checkpoint of another run, and names the first line in which the identities differ. For an input
+ * file of the same name, the message says that its contents differ. */
 cml_status cml_fail_other_run(const char *path, const char *theirs, const char *mine, const char *expected,
                               struct cml_error *err)
 {
@@ -282,6 +289,7 @@ static bool is_part(struct cml_part part)
     return part.count == 0 ? part.number == 0 : part.number >= 1 && part.number <= part.count;
 }
 
+/* Orders ranges of photons by their first photon. */
 static int compare_ranges(const void *a, const void *b)
 {
     const uint64_t one = ((const struct cml_range *)a)->first, other = ((const struct cml_range *)b)->first;
@@ -314,7 +322,8 @@ static bool is_lost_list_sound(const struct cml_lost_list *lost, uint64_t end)
     return true;
 }
 
-/* Checks the ranges on a sorted copy, because ranges are taken in the order in which the file lists them. */
+/* Checks the ranges of photons not flown yet: sorted, none may overlap, and with the flown ones they must
+ * make up the round. A copy is sorted, because ranges are taken in the file's order. */
 static cml_status check_ranges(const struct source *source, const struct cml_ranges *open,
                                const struct cml_summary *summary, struct cml_error *err)
 {
@@ -364,8 +373,8 @@ static cml_status read_saved(struct source *source, struct cml_saved *saved, str
     return CML_OK;
 }
 
-/* Reads all that the tallies need. The identity fixes grid and photons, so a sound file of this run has the
- * same number of cells. */
+/* Reads the sums of a run from a checkpoint: its round, the photons not flown yet, summary, cells and saved
+ * packets. The identity fixes grid and photons, so a sound file has the same number of cells. */
 static cml_status read_tallies(struct source *source, struct cml_run_state *state, struct cml_result *result,
                                struct cml_error *err)
 {
@@ -481,6 +490,8 @@ static cml_status read_older(const char *path, const struct wanted *wanted, stru
     return CML_OK;
 }
 
+/* Reads the checkpoint of a run, or the older one beside it if the newest is missing or damaged. *note then
+ * tells the user so. */
 cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
                                struct cml_run_state *state, struct cml_result *result, bool tallies,
                                struct cml_record *record, struct cml_error *note, struct cml_error *err)
@@ -499,12 +510,15 @@ cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_
     return status == CML_E_IO ? CML_E_INPUT : status;
 }
 
+/* Returns what the head of a checkpoint says: finished or not, with sums or not, the round, and the part. */
 static struct cml_checkpoint_about about_of(const struct head *head)
 {
     return (struct cml_checkpoint_about){head->finished ? CML_CHECKPOINT_FINISHED : CML_CHECKPOINT_PARTIAL,
                                          head->num_cells > 0, head->begin, head->end, head->part};
 }
 
+/* Reads only the head of a checkpoint: what kind of run wrote it and how far it got. A file that cannot be
+ * read counts as none. */
 struct cml_checkpoint_about cml_checkpoint_look(const char *path)
 {
     struct cml_checkpoint_about about = {.kind = CML_CHECKPOINT_NONE};
@@ -517,7 +531,7 @@ struct cml_checkpoint_about cml_checkpoint_look(const char *path)
     return about;
 }
 
-/* Reads the head and the call of the file of a part. */
+/* Reads the head and the command line of the file of a part, and refuses any other file. */
 static cml_status read_part(struct source *source, struct cml_record *record, struct cml_error *err)
 {
     const struct head *head = &source->head;
@@ -529,6 +543,8 @@ static cml_status read_part(struct source *source, struct cml_record *record, st
     return read_record(source, record, err);
 }
 
+/* Reads the head, the identity and the command line of the file of one part. Any fault is reported as bad
+ * input, because the user named the file. */
 cml_status cml_part_look(const char *path, struct cml_checkpoint_about *about, char **identity, char **call,
                          struct cml_error *err)
 {

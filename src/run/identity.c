@@ -8,8 +8,8 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Takes only options that change bits. Threads, ranks, chunks and devices do not, so a run may be resumed
- * with others. */
+/* Returns the options that decide the bits of a result. Threads, ranks, chunks and devices do not, so a run
+ * may be resumed with others. */
 struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
                                          const struct cml_surface_options *surface, bool flat)
 {
@@ -55,6 +55,7 @@ cml_status cml_identity_of(const struct cml_provenance *provenance, const char *
     return cml_text_end(out, identity, &size, "the run's identity", err);
 }
 
+/* Writes a short name of an identity, two checksums in 16 hexadecimal digits. */
 void cml_identity_sum(const char *identity, char sum[CML_IDENTITY_SUM])
 {
     const Bytef *const bytes = (const Bytef *)identity;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "run/intent.h"
 
-/* Returns the intent of a run that may replace files. */
+/* Returns what a run does if nothing must be kept: begin anew, resume a checkpoint, write the result of a
+ * finished run again, or nothing. */
 static enum cml_run_intent intent_of(const struct cml_run_findings *found)
 {
     if (!found->resumes) return CML_RUN_FRESH;
@@ -12,6 +13,7 @@ static enum cml_run_intent intent_of(const struct cml_run_findings *found)
     return found->tallies ? CML_RUN_REPUBLISH : CML_RUN_FRESH;
 }
 
+/* Returns what a run does about the files it finds: extend, continue, begin anew, or refuse. */
 enum cml_run_intent cml_run_intent_of(const struct cml_run_findings *found)
 {
     if (found->extends) return CML_RUN_EXTEND;

@@ -16,6 +16,8 @@ static bool is_beside_part(const char *path)
            cml_file_ends_in(path, ".tmp");
 }
 
+/* Reads the heads of all files that `merge` was given, and skips files that only lie beside parts (.lock,
+ * .old, .tmp). */
 cml_status cml_part_files_read(char *const *path, int count, struct cml_part_files *files,
                                struct cml_error *err)
 {
@@ -32,6 +34,7 @@ cml_status cml_part_files_read(char *const *path, int count, struct cml_part_fil
     return cml_fail(err, CML_E_INPUT, "merge: no parts (expected those of a run, NAME.partKofN)");
 }
 
+/* Frees what was read of the files of parts. */
 void cml_part_files_clear(struct cml_part_files *files)
 {
     for (int i = 0; files->file && i < files->count; i++) {
@@ -42,6 +45,8 @@ void cml_part_files_clear(struct cml_part_files *files)
     *files = (struct cml_part_files){0};
 }
 
+/* Ends the first pass over all runs of the scene file. A file that no run has claimed belongs to another
+ * run, and is refused. */
 cml_status cml_part_files_looked(struct cml_part_files *files, cml_status status, struct cml_error *err)
 {
     files->looking = false;
@@ -68,7 +73,7 @@ static bool is_part_of(const struct cml_part_file *file, const struct cml_run_se
     return strcmp(file->identity, setup->identity) == 0 && file->about.begin == setup->base;
 }
 
-/* Refuses a file that is not a part of this run. */
+/* Refuses a file that is a part of another run: the identity differs, or the round of photons. */
 static cml_status fail_other(const struct cml_run_setup *setup, const struct cml_part_file *file,
                              struct cml_error *err)
 {
@@ -103,8 +108,7 @@ static int list_missing(const struct cml_run_setup *setup, const struct cml_part
     return missing;
 }
 
-/* Fails with the number of the missing part, which is the one that begins with this turn. The parts in files
- * tell how many parts the run has. */
+/* Refuses to join a run of which parts are missing, and names them. turn: the first one that no part has. */
 static cml_status fail_missing(const struct cml_run_setup *setup, const struct cml_part_files *files,
                                uint64_t turn, struct cml_error *err)
 {
@@ -128,7 +132,8 @@ static cml_status fail_missing(const struct cml_run_setup *setup, const struct c
                     strpbrk(list, " ") ? "s" : "", list, part.count, strpbrk(list, " ") ? "are" : "is");
 }
 
-/* Returns the file of this run whose turns begin with `turn`; NULL: no file. */
+/* Returns the file with the part of this run whose photons begin with number `turn`; NULL if no file has
+ * it. */
 static struct cml_part_file *find_at(const struct cml_run_setup *setup, const struct cml_part_files *files,
                                      uint64_t turn)
 {
@@ -140,7 +145,7 @@ static struct cml_part_file *find_at(const struct cml_run_setup *setup, const st
     return NULL;
 }
 
-/* Refuses a file of this run that has photons of another file, too. Marks all files of the run as joined. */
+/* Refuses a part whose photons another part has, too, and marks all parts of the run as joined. */
 static cml_status check_twice(const struct cml_run_setup *setup, struct cml_part_files *files,
                               struct cml_error *err)
 {
@@ -171,7 +176,7 @@ static void add_saved(struct cml_saved *to, struct cml_saved *from)
     cml_saved_add_found(to, sums.found - sums.kept);
 }
 
-/* Adds the tallies of a part. */
+/* Adds the sums of a part to those of the parts before. */
 static void add_result(struct cml_result *to, struct cml_result *from)
 {
     size_t cells = 0;
@@ -182,7 +187,7 @@ static void add_result(struct cml_result *to, struct cml_result *from)
     if (to->saved) add_saved(to->saved, from->saved);
 }
 
-/* Refuses a part of which turns are still open. */
+/* Refuses a part that has not flown all its photons. `open`: photons of the run that nobody has flown. */
 static cml_status check_finished(const struct cml_part_file *file, struct cml_ranges *open,
                                  struct cml_error *err)
 {
@@ -217,7 +222,7 @@ static cml_status add_part(const struct cml_run_setup *setup, const struct cml_p
     return status;
 }
 
-/* Adds up all parts in the order of their turns, and the run that they extend. */
+/* Adds up the results of all parts of a run in the order of their photons, and the run that they extend. */
 static cml_status add_parts(const struct cml_run_setup *setup, struct cml_part_files *files,
                             struct cml_run_result *out, struct cml_error *err)
 {

@@ -91,7 +91,7 @@ static void show_progress(struct flight *flight, uint64_t just_flown)
     if (setup->on_progress && cml_cluster_rank() == 0) setup->on_progress(setup->context, &progress);
 }
 
-/* Ends the range in hand. Other threads may still fly its last packets. */
+/* Ends the range in hand: its time decides the size of the next. Others may still fly its last packets. */
 static void end_range(struct flight *flight)
 {
     const struct hand *hand = &flight->hand;
@@ -373,7 +373,7 @@ static cml_status synchronise(struct flight *flight, cml_status mine, enum next_
     return CML_OK;
 }
 
-/* Flies from synchronisation to synchronisation until rank 0 ends the run. */
+/* Flies packets until the run ends. Ranks meet at times, and rank 0 decides how to go on. */
 static cml_status fly_all(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -488,7 +488,7 @@ static cml_status begin_after_base(struct flight *flight, struct cml_error *err)
     return cml_checkpoint_write(setup->checkpoint, setup->identity, NULL, state, result, err);
 }
 
-/* Sets on rank 0 which photons there are to fly. */
+/* Sets on rank 0 which photons are to be flown: all, the rest of a checkpoint, or those of a part. */
 static cml_status begin_state(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -570,7 +570,7 @@ struct cml_tally_grid cml_run_grid(const struct cml_run_setup *setup)
     return grid;
 }
 
-/* Clears all members first, so that every step may fail: closing what is zero does nothing. */
+/* Flies all packets of a run. All members are cleared first, because closing what is zero does nothing. */
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
     const struct cml_tally_grid grid = cml_run_grid(setup);

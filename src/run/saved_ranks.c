@@ -15,7 +15,8 @@ struct block {
     uint64_t unkept;      /* packets found whose rows are not kept; counted in the first message only */
 };
 
-/* Fills the block with the next rows, from `*sent` on. */
+/* Fills a block with the next rows of saved packets, from number *sent on, for sending to rank 0.
+ * block->left: rows that remain. */
 static void fill(struct cml_saved *saved, size_t kept, size_t most, size_t *sent, struct block *block)
 {
     const size_t size = cml_saved_row_bytes(cml_saved_media(saved));
@@ -38,8 +39,8 @@ static uint64_t take(struct cml_saved *saved, const char *blocks, size_t size)
     return left;
 }
 
-/* Moves all rows to rank 0, block by block. blocks: room for one block of each rank on rank 0, unused
- * elsewhere. mine: room for this rank's block. */
+/* Moves the saved packets of all ranks to rank 0, block by block, until no rank has any left. blocks: room
+ * for one block of each rank on rank 0; mine: room for this rank's block. */
 static cml_status exchange(struct cml_saved *saved, size_t most, size_t size, char *blocks, char *mine,
                            struct cml_error *err)
 {
@@ -60,6 +61,8 @@ static cml_status exchange(struct cml_saved *saved, size_t most, size_t size, ch
     return CML_OK;
 }
 
+/* Sends the saved packets of all ranks to rank 0, in blocks of about BLOCK_BYTES so that memory stays small.
+ * Rank 0 has one block for each rank and one for itself. */
 cml_status cml_gather_saved(struct cml_saved *saved, struct cml_error *err)
 {
     if (!saved || cml_cluster_size() == 1) return CML_OK;

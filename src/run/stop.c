@@ -20,11 +20,9 @@ static atomic_llong requested; /* time of the first signal, ms; 0: none */
 _Static_assert(ATOMIC_INT_LOCK_FREE == 2 && ATOMIC_LLONG_LOCK_FREE == 2,
                "a signal handler cannot wait for a lock");
 
-/* The signal handler. A signal more than a second after the first ends the process as if it were not caught,
- * with exit code 128 + number, as shells report it. An earlier one is the same wish: launchers and batch
- * systems send a signal to the process and again to its group. Ctrl-C is no exception: a run stops within a
- * second of the first press, and hours of results are worth a third press. _exit and clock_gettime are safe
- * in a handler; exit is not. */
+/* Remembers a signal (the signal handler). A signal more than a second after the first ends the process at
+ * once, with exit code 128 + number as shells report it. An earlier one is the same wish: launchers send a
+ * signal to the process and to its group. _exit and clock_gettime are safe in a handler; exit is not. */
 static void remember(int signal)
 {
     static const char early[] = "clustermcml: stopped before the flight: nothing was written\n";
@@ -37,19 +35,23 @@ static void remember(int signal)
     if (!atomic_compare_exchange_strong(&requested, &first, now) && now - first > 1000) _exit(128 + signal);
 }
 
+/* Lets writing to a closed pipe or beyond a limit of file sizes fail with an error, instead of killing the
+ * process. */
 void cml_stop_ignore(void)
 {
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
 }
 
+/* Ends the process silently, as is usual for a program whose pipe has no reader. */
 void cml_stop_without_reader(void)
 {
     signal(SIGPIPE, SIG_DFL);
     raise(SIGPIPE);
 }
 
-/* Tests the parent again after prctl: no signal comes from a parent that ended before. */
+/* Makes this process end with its parent (Linux). The parent is tested again afterwards: no signal comes
+ * from a parent that ended before. */
 void cml_stop_with_parent(void)
 {
     const char *text = getenv("CLUSTERMCML_PARENT");
@@ -59,8 +61,9 @@ void cml_stop_with_parent(void)
     if (getppid() != parent) raise(SIGTERM);
 }
 
-/* SA_RESTART: calls of file and MPI functions under way must not fail for a signal that is only remembered.
- * Signals that are ignored stay ignored, because nohup and its like set them so on purpose. */
+/* Makes the program remember signals that ask it to end, so that a run can write its checkpoint first.
+ * SA_RESTART: file and MPI calls under way must not fail for it. Signals that are ignored stay ignored,
+ * because nohup sets them so on purpose. */
 void cml_stop_before_flight(void)
 {
     static const int signals[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
@@ -72,6 +75,7 @@ void cml_stop_before_flight(void)
     }
 }
 
+/* Lets signals be remembered from now on, because a flight begins that can write a checkpoint. */
 void cml_stop_watch(void)
 {
     atomic_store(&flying, 1);

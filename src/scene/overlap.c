@@ -46,12 +46,16 @@ static void set_range(struct shape *shape, const double *height, size_t count, d
     }
 }
 
+/* Makes the shape that represents a radial heightfield in the search for overlaps. z: the boundary's nominal
+ * depth, cm. */
 static void make_field(struct shape *shape, const struct cml_radial *radial, double z)
 {
     shape->field = (struct cml_radial_surface){radial, z};
     set_range(shape, radial->h, (size_t)radial->n, z);
 }
 
+/* Makes the shape that represents a repeated heightmap in the search for overlaps: a plane if all heights
+ * are equal, otherwise the range of depths that the heights span. z: the boundary's nominal depth. */
 static void make_tile(struct shape *shape, const struct cml_heightmap *tile, double z)
 {
     if (cml_tile_is_flat(tile)) {
@@ -62,7 +66,9 @@ static void make_tile(struct shape *shape, const struct cml_heightmap *tile, dou
     set_range(shape, tile->h, (size_t)tile->nx * (size_t)tile->ny, z);
 }
 
-/* Makes the shape of a boundary, in the simplest form that equals it. */
+/* Makes the form of boundary `number` that the search for overlaps compares: plane, radial heightfield, tile
+ * or sheet of triangles. A shape whose heights are all equal becomes a plane, which is quickest to
+ * compare. */
 static cml_status make_shape(const struct cml_boundary *boundary, int number, struct shape *shape,
                              struct cml_error *err)
 {
@@ -92,6 +98,7 @@ struct phrase {
     char text[128];
 };
 
+/* Names a triangle of a boundary, or the plane outside its border, for a message. */
 static struct phrase name_part(uint32_t triangle, int boundary)
 {
     struct phrase phrase;
@@ -111,6 +118,7 @@ static int line_of(const struct shape *upper, const struct shape *lower)
 
 static const char apart[] = "(expected boundaries that neither cross nor touch)";
 
+/* Refuses two boundaries that touch at a point. */
 static cml_status fail_touch(const struct cml_scene *scene, const struct shape *upper,
                              const struct shape *lower, const double at[3], struct cml_error *err)
 {
@@ -118,6 +126,8 @@ static cml_status fail_touch(const struct cml_scene *scene, const struct shape *
                     line_of(upper, lower), upper->number, lower->number, at[0], at[1], at[2], apart);
 }
 
+/* Refuses two boundaries of which the lower one does not stay below the upper one. `at`: a point where they
+ * cross; `depth`: how far the upper one reaches below the lower one there, cm. */
 static cml_status fail_deep(const struct cml_scene *scene, const struct shape *upper,
                             const struct shape *lower, const double at[3], double depth,
                             struct cml_error *err)
@@ -158,7 +168,8 @@ static cml_status fail_self(const struct cml_scene *scene, const struct shape *s
                                                           : " (expected a surface that does not)");
 }
 
-/* Compares two mesh boundaries. */
+/* Refuses two neighbouring mesh boundaries that cross or touch, or of which the lower one lies above. The
+ * message names the two triangles or how deep the upper boundary reaches. */
 static cml_status compare_sheets(const struct cml_scene *scene, const struct shape *upper,
                                  const struct shape *lower, struct cml_error *err)
 {
@@ -175,7 +186,8 @@ static cml_status compare_sheets(const struct cml_scene *scene, const struct sha
                     other.text, apart);
 }
 
-/* Compares two boundaries of which at least one is a plane or a radial heightfield. */
+/* Refuses two neighbouring boundaries that cross or touch, of which at least one is a plane or a radial
+ * heightfield. */
 static cml_status compare_fields(const struct cml_scene *scene, const struct shape *upper,
                                  const struct shape *lower, struct cml_error *err)
 {
@@ -194,7 +206,8 @@ static cml_status compare_fields(const struct cml_scene *scene, const struct sha
     return fail_touch(scene, upper, lower, at, err);
 }
 
-/* Sets at[0] and at[1] to the first sample of the tile whose depth is exactly z. */
+/* Finds a place where a tile touches the depth z, for the message: its first sample at exactly this depth
+ * goes to at[0], at[1]. */
 static void find_sample(const struct cml_boundary *boundary, double z, double at[3])
 {
     const struct cml_heightmap *tile = &boundary->tile;
@@ -205,8 +218,8 @@ static void find_sample(const struct cml_boundary *boundary, double z, double at
     at[1] = tile->y0 + (double)(i / nx) * tile->dy;
 }
 
-/* Finds the place where a tile and a plane, or two tiles, come closest. Returns false for other pairs, of
- * which only the ranges of depth can be compared. */
+/* Finds the place where a tile and a plane, or two tiles, come closest: it goes to at[]. Returns false for
+ * other pairs, of which only the ranges of depth can be compared. */
 static bool find_closest(const struct shape *upper, const struct shape *lower, double *gap, double at[3])
 {
     if (upper->is_tile && lower->is_tile)
@@ -238,7 +251,8 @@ static cml_status compare_tiles(const struct cml_scene *scene, const struct shap
     return fail_touch(scene, upper, lower, at, err);
 }
 
-/* Compares two boundaries. Most pairs lie at entirely different depths, and cost nothing. */
+/* Refuses two neighbouring boundaries that cross or touch. Most pairs lie at entirely different depths and
+ * cost nothing; for the others, their forms decide which function compares. */
 static cml_status compare(const struct cml_scene *scene, const struct shape *upper, const struct shape *lower,
                           struct cml_error *err)
 {
@@ -290,6 +304,8 @@ static void keep_above(struct above *above, struct shape *shape)
     if (!above->plane.boundary || shape->bottom >= above->plane.bottom) above->plane = *shape;
 }
 
+/* Refuses a scene whose boundaries cross or touch. Each boundary is compared with itself and with those
+ * above it that could reach it, which `above` keeps. */
 cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err)
 {
     struct above above = {.curved.boundary = NULL};

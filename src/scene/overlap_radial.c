@@ -22,7 +22,8 @@ static void keep_closest(struct cml_closest *closest, double x, double y, double
     closest->err_gap = 8.0 * DBL_EPSILON * size;
 }
 
-/* Compares two radial surfaces at the radius r. */
+/* Updates *closest with the gap between two radial surfaces at radius r: it keeps the place with the
+ * smallest gap. size: how large the numbers are, for a bound of rounding. */
 static void compare_at_radius(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                               double r, struct cml_closest *closest)
 {
@@ -31,6 +32,8 @@ static void compare_at_radius(const struct cml_radial_surface *upper, const stru
     keep_closest(closest, r, 0.0, upper->z - above, lower->z - below, size);
 }
 
+/* Finds where two radial heightfields come closest. Both are straight between their samples, so one of their
+ * radii has the smallest gap. */
 void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                                struct cml_closest *closest)
 {
@@ -46,7 +49,8 @@ struct comparison {
     struct cml_closest *closest;
 };
 
-/* Compares a point of the mesh, x, y, z in the mesh's frame, with the heightfield above or below it. */
+/* Updates *closest with the gap between a point of a mesh (x, y, z in the mesh's frame) and the radial
+ * heightfield above or below it. */
 static void compare_at_point(const struct comparison *c, double x, double y, double z)
 {
     const double height = cml_radial_height(c->radial, hypot(x, y));
@@ -58,7 +62,8 @@ static void compare_at_point(const struct comparison *c, double x, double y, dou
         keep_closest(c->closest, x, y, field, mesh, size);
 }
 
-/* Finds the sample by bisection. */
+/* Returns the first sample of a radial heightfield at radius r or beyond; n if there is none. Radii rise, so
+ * bisection finds it. */
 int cml_radial_sample_from(const struct cml_radial *radial, double r)
 {
     int low = 0, high = radial->n;
@@ -80,8 +85,8 @@ struct edge {
     double along, foot, distance;
 };
 
-/* Makes an edge. A vertical edge is a point when seen from above: `along` is then 0, and the other numbers
- * mean nothing. */
+/* Returns an edge with the numbers by which gaps along it are found. A vertical edge is a point when seen
+ * from above: `along` is then 0, and the other numbers mean nothing. */
 static struct edge make_edge(const double *a, const double *b)
 {
     struct edge edge = {a, b, hypot(b[0] - a[0], b[1] - a[1]), 0.0, hypot(a[0], a[1])};
@@ -154,9 +159,8 @@ static void place_vertex(const struct section *section, const double *v, double 
     *across = v[0] * section->direction[1] - v[1] * section->direction[0];
 }
 
-/* Finds the section of a triangle. Returns false if the triangle stands upright or the section's line misses
- * it. Over a flat triangle the gap to a cone is least where the cone's gradient, which is radial, equals the
- * triangle's: on this line. */
+/* Finds the line in a triangle over which a radial surface comes closest: where the cone's radial gradient
+ * can equal the triangle's. Returns false if the triangle is upright or the line misses it. */
 static bool find_section(const double *const v[3], struct section *section)
 {
     double normal[3];
@@ -228,7 +232,8 @@ static double least_gap(const struct comparison *c, const double *const v[3], do
     return c->mesh_is_upper ? field_top - (c->z_mesh + bottom) : c->z_mesh + top - field_bottom;
 }
 
-/* Computes the heightfield's range of depths once, so that least_gap can exclude whole triangles. */
+/* Finds where a radial heightfield and a mesh come closest. The heightfield's range of depths is computed
+ * once, so that whole triangles can be excluded by it. */
 void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
                              const struct cml_footprint *footprint, double z, bool mesh_is_upper,
                              struct cml_closest *closest)

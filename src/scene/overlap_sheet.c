@@ -40,6 +40,7 @@ static cml_status fill_sheet(struct cml_sheet *sheet, double z, struct cml_error
     return CML_OK;
 }
 
+/* Prepares a mesh for the search for overlaps. z: nominal depth of the mesh's boundary. */
 cml_status cml_sheet_create(const struct cml_mesh *mesh, double z, struct cml_sheet *sheet,
                             struct cml_error *err)
 {
@@ -50,6 +51,7 @@ cml_status cml_sheet_create(const struct cml_mesh *mesh, double z, struct cml_sh
     return status;
 }
 
+/* Frees everything of a sheet except its mesh, which the scene owns. */
 void cml_sheet_clear(struct cml_sheet *sheet)
 {
     free(sheet->vertex);
@@ -59,12 +61,13 @@ void cml_sheet_clear(struct cml_sheet *sheet)
     memset(sheet, 0, sizeof *sheet);
 }
 
+/* Gives the three corners of triangle i of a sheet, in the scene's frame. */
 static void corners(const struct cml_sheet *sheet, uint32_t i, const double *v[3])
 {
     for (int k = 0; k < 3; k++) v[k] = sheet->vertex[sheet->mesh->triangle[i][k]];
 }
 
-/* Keeps the stronger of two contacts: crossing counts more than touching. */
+/* Keeps the stronger of two contacts, and its place `at`: crossing counts more than touching. */
 static void keep_stronger(struct cml_sheet_overlap *overlap, enum cml_contact contact, const double at[3],
                           uint32_t i, uint32_t j)
 {
@@ -148,8 +151,8 @@ static enum cml_contact plane_contact(const struct cml_sheet *sheet, const struc
     return found;
 }
 
-/* Finds whether a triangle lies wholly in its own outer plane, outside the border. All its corners may lie on
- * the border, so that plane_contact does not see it. */
+/* Finds whether a triangle lies wholly in its own outer plane, outside the border; at: its middle. All its
+ * corners may lie on the border, so that plane_contact does not see it. */
 static enum cml_contact flat_contact(const struct cml_sheet *sheet, uint32_t i, double at[3])
 {
     const double *v[3];
@@ -160,6 +163,9 @@ static enum cml_contact flat_contact(const struct cml_sheet *sheet, uint32_t i, 
     return cml_footprint_contains(sheet->footprint, at[0], at[1]) ? CML_APART : CML_TOUCH;
 }
 
+/* Searches a mesh for triangles that cut each other. Pairs of triangles come first; then each triangle is
+ * compared with those in its own plane, and with the outer plane. A crossing found later replaces a mere
+ * touch. */
 void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_overlap *overlap)
 {
     memset(overlap, 0, sizeof *overlap);
@@ -189,6 +195,8 @@ static struct cml_column column_through(const struct cml_sheet *sheet, const dou
     return column;
 }
 
+/* True if a point lies below a sheet or inside a closed mesh. Above a point inside, the vertical line meets
+ * an odd number of triangles; in a union, whose parts may overlap, the winding number decides. */
 bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3])
 {
     const struct cml_column column = column_through(sheet, point);
@@ -235,7 +243,8 @@ static void compare_vertices(const struct cml_sheet *upper, const struct cml_she
     }
 }
 
-/* Compares the outer planes. The reported place is a corner of the box around both sheets. */
+/* Compares the planes in which two meshes continue outside, and keeps the overlap if the upper one is not
+ * above the lower one. The reported place is a corner of the box around both meshes. */
 static void compare_planes(const struct cml_sheet *upper, const struct cml_sheet *lower,
                            struct cml_sheet_overlap *overlap)
 {
@@ -272,6 +281,7 @@ static void compare_surfaces(const struct cml_sheet *a, const struct cml_sheet *
     compare_with_plane(b, a, false, overlap);
 }
 
+/* Finds where two meshes cross or touch. Which lies above the other does not matter. */
 void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
                        struct cml_sheet_overlap *overlap)
 {

@@ -9,12 +9,15 @@
 #include <string.h>
 #include <zlib.h>
 
+/* Returns the word for a kind of phase function in the .mci. */
 const char *cml_phase_name(enum cml_phase_kind kind)
 {
     static const char *const names[CML_PHASE_KINDS] = {"hg2", "mhg", "gk", "rayleigh", "table"};
     return names[kind];
 }
 
+/* Returns the names of the parameters of a kind of phase function, ended by NULL. Rayleigh scattering and
+ * tables have none. */
 const char *const *cml_phase_numbers(enum cml_phase_kind kind)
 {
     static const char *const names[CML_PHASE_KINDS][CML_PHASE_NUMBERS + 1] = {
@@ -24,7 +27,8 @@ const char *const *cml_phase_numbers(enum cml_phase_kind kind)
 
 /* ---- tables ---- */
 
-/* Scales the densities of a table so that their integral is 1, and fills the sums `below`. */
+/* Scales the densities of a table so that their integral over the deflection is 1, and fills `below`, the
+ * integral up to each row. False if all densities are 0. */
 bool cml_phase_scale_table(struct cml_phase *phase)
 {
     const size_t bytes = (size_t)phase->rows * sizeof(double);
@@ -51,6 +55,8 @@ static int row_of(const struct cml_phase *phase, double deflection)
     return (int)cml_last_not_above(phase->deflection, (size_t)phase->rows - 1, deflection);
 }
 
+/* Returns the density of a tabulated phase function at a deflection 1 - cos(theta), interpolated between
+ * rows. */
 static double table_density(const struct cml_phase *phase, double deflection)
 {
     const int i = row_of(phase, deflection);
@@ -58,6 +64,8 @@ static double table_density(const struct cml_phase *phase, double deflection)
     return p[0] + (p[1] - p[0]) * (deflection - x[0]) / (x[1] - x[0]);
 }
 
+/* Returns the probability that light of a tabulated phase function is deflected by less than `deflection`:
+ * the sum up to the row before, and a trapezium from there. */
 static double table_below(const struct cml_phase *phase, double deflection)
 {
     const int i = row_of(phase, deflection);
@@ -65,6 +73,9 @@ static double table_below(const struct cml_phase *phase, double deflection)
     return phase->below[i] + (deflection - phase->deflection[i]) * (phase->density[i] + p) / 2;
 }
 
+/* Returns the mean cosine g of a tabulated phase function. The table has the density over the deflection 1 -
+ * cos(theta). Between rows the density is linear, and each summand is the exact integral of deflection times
+ * density. */
 static double table_mean(const struct cml_phase *phase)
 {
     double sum = 0;
@@ -86,6 +97,7 @@ static double hg_below(double g, double x)
     return (1 - g * g) * x / (a * b * (a + b));
 }
 
+/* Returns the density of Henyey and Greenstein's phase function at the deflection x = 1 - cos(theta). */
 static double hg_density(double g, double x)
 {
     return (1 - g * g) / 2 / pow((1 - g) * (1 - g) + 2 * g * x, 1.5);
@@ -112,6 +124,7 @@ static double gk_scale(double a, double all)
     return a == 0 ? 1 / all : -a / expm1(-a * all);
 }
 
+/* Returns the density of the Gegenbauer kernel phase function at the deflection x = 1 - cos(theta). */
 static double gk_density(double g, double a, double x)
 {
     if (g == 0) return 0.5;
@@ -151,7 +164,8 @@ double cml_phase_below(const struct cml_phase *phase, double x)
     }
 }
 
-/* Returns the density of the light over the deflection at x. */
+/* Returns the density of scattered light over the deflection x = 1 - cos(theta), which runs from 0 to 2.
+ * `number` holds the parameters in the order of the .mci: g1, g2, w; g, w; g, a. */
 double cml_phase_density(const struct cml_phase *phase, double x)
 {
     const double *n = phase->number, c = 1 - x;
@@ -169,7 +183,7 @@ double cml_phase_density(const struct cml_phase *phase, double x)
     }
 }
 
-/* Returns the mean cosine of deflection, g. */
+/* Returns the mean cosine g of the deflection. */
 double cml_phase_mean(const struct cml_phase *phase)
 {
     const double *n = phase->number;
@@ -189,6 +203,8 @@ double cml_phase_mean(const struct cml_phase *phase)
 
 /* ---- words and lists ---- */
 
+/* True if two phase functions scatter alike: the same kind and parameters, and the same rows if they are
+ * tables. */
 bool cml_phase_equal(const struct cml_phase *a, const struct cml_phase *b)
 {
     const size_t bytes = (size_t)a->rows * sizeof(double);
@@ -198,6 +214,7 @@ bool cml_phase_equal(const struct cml_phase *a, const struct cml_phase *b)
            (memcmp(a->deflection, b->deflection, bytes) == 0 && memcmp(a->density, b->density, bytes) == 0);
 }
 
+/* Prints a phase function as a line of the .mci has it. `sums`: adds the checksum of a table. */
 void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums)
 {
     fputs(cml_phase_name(phase->kind), stream);
@@ -207,6 +224,7 @@ void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums)
     if (sums) fprintf(stream, ", crc32 %08x", phase->checksum);
 }
 
+/* Frees a phase function. The rows of a table may belong to several scenes, and go with the last one. */
 static void phase_free(struct cml_phase *phase)
 {
     if (cml_share_end(phase->users)) {
@@ -218,6 +236,7 @@ static void phase_free(struct cml_phase *phase)
     free(phase);
 }
 
+/* Frees a list of phase functions. */
 void cml_phases_free(struct cml_phase *first)
 {
     while (first) {

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Removes the shape of a boundary: its nominal plane remains. Only for a shape that no other scene shares. */
 void cml_boundary_flatten(struct cml_boundary *boundary)
 {
     free(boundary->radial.r);
@@ -23,6 +24,8 @@ void cml_boundary_flatten(struct cml_boundary *boundary)
     boundary->form = CML_FORM_PLANE;
 }
 
+/* Removes all optional outputs from a copy of a scene, so that a flight of it needs little memory. The
+ * removed members still belong to the original and must not be freed. */
 void cml_scene_ask_nothing(struct cml_scene *scene)
 {
     scene->map = (struct cml_map_def){0};
@@ -34,6 +37,7 @@ void cml_scene_ask_nothing(struct cml_scene *scene)
     scene->num_detectors = 0;
 }
 
+/* Frees the shape of a boundary when its last user goes. Depth and roughness stay. */
 void cml_boundary_clear(struct cml_boundary *boundary)
 {
     const struct cml_boundary kept = {.z = boundary->z, .rough = boundary->rough};
@@ -44,6 +48,7 @@ void cml_boundary_clear(struct cml_boundary *boundary)
     *boundary = kept;
 }
 
+/* Frees the bodies of a scene, unless another scene still shares them. */
 static void clear_bodies(struct cml_scene *scene)
 {
     if (!cml_share_end(scene->body_users)) return;
@@ -54,6 +59,7 @@ static void clear_bodies(struct cml_scene *scene)
     free(scene->bodies);
 }
 
+/* Frees a beam's table and image when their last user goes. */
 static void clear_beam(struct cml_beam *beam)
 {
     if (!cml_share_end(beam->users)) return;
@@ -113,6 +119,8 @@ static void copy_phases(const struct cml_scene *from, struct cml_scene *to, bool
         if (to->media[m].phase) to->media[m].phase = copy[to->media[m].phase->index];
 }
 
+/* Gives a copied scene its own texts, as each scene frees its texts. *failed becomes true if memory runs
+ * out. */
 static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool *failed)
 {
     to->file = copied_text(from->file, failed);
@@ -126,7 +134,8 @@ static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool 
     }
 }
 
-/* Copies a scene. Shapes, bodies and tables are shared, not copied. */
+/* Copies a scene so that numbers of the copy can be changed. Shapes, bodies and tables are large and stay
+ * shared; texts, media and lists of boundaries, beams and detectors are copied. */
 cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, struct cml_error *err)
 {
     const size_t layers = (size_t)from->num_layers, bodies = (size_t)from->num_bodies,
@@ -186,6 +195,7 @@ static int first_body_from(const struct cml_scene *scene, int l)
     return low;
 }
 
+/* True if any beam starts at a depth of its own inside the scene. */
 bool cml_scene_starts_inside(const struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_beams; k++)
@@ -193,16 +203,22 @@ bool cml_scene_starts_inside(const struct cml_scene *scene)
     return false;
 }
 
+/* Returns the sine of a beam's angle to the vertical: exactly 0 for a beam straight up, which rounding of pi
+ * would miss. */
 double cml_beam_sine(const struct cml_beam *beam)
 {
     return beam->angle < CML_PI ? sin(beam->angle) : 0;
 }
 
+/* Returns the downward component of a beam's direction: exactly 0 for a level beam, which rounding of pi/2
+ * would miss. */
 double cml_beam_descent(const struct cml_beam *beam)
 {
     return beam->angle == CML_PI / 2 ? 0 : cos(beam->angle);
 }
 
+/* Returns how far the rim of a slanted beam lies above and below its middle, cm. reach: the radius or half
+ * width of each shape; of a Gaussian five radii, beyond which few packets start. */
 double cml_beam_height(const struct cml_beam *beam)
 {
     const double reach[] = {
@@ -210,6 +226,8 @@ double cml_beam_height(const struct cml_beam *beam)
     return reach[beam->shape] * fabs(sin(beam->angle));
 }
 
+/* Finds which axis of the scene (0: x, 1: y) a beam's own x and y run along. False if the beam is turned by
+ * anything but quarter turns. */
 bool cml_beam_axes(const struct cml_beam *beam, int axis[2])
 {
     const double quarters = beam->azimuth / (CML_PI / 2), whole = round(quarters);
@@ -218,11 +236,13 @@ bool cml_beam_axes(const struct cml_beam *beam, int axis[2])
     return fabs(quarters - whole) < 1e-9;
 }
 
+/* Returns which bodies lie in layer l: bodies are sorted by layer, so they form a range. */
 struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l)
 {
     return (struct cml_body_range){first_body_from(scene, l), first_body_from(scene, l + 1)};
 }
 
+/* True if any body lies in layer l. */
 bool cml_layer_has_bodies(const struct cml_scene *scene, int l)
 {
     const struct cml_body_range range = cml_layer_bodies(scene, l);
@@ -236,7 +256,8 @@ void cml_scene_list_clear(struct cml_scene_list *list)
     *list = (struct cml_scene_list){0};
 }
 
-/* Interpolates linearly between samples. */
+/* Returns the height of a radial heightfield at radius r, cm: linear between samples, constant beyond the
+ * last one. */
 double cml_radial_height(const struct cml_radial *radial, double r)
 {
     const int last = radial->n - 1;
@@ -246,6 +267,8 @@ double cml_radial_height(const struct cml_radial *radial, double r)
     return radial->h[i] + t * (radial->h[i + 1] - radial->h[i]);
 }
 
+/* Returns the angle (rad) at which pictures draw the rim of a beam: the widest angle, or for a table of
+ * intensities the last angle with half of the greatest intensity, interpolated between rows. */
 double cml_light_spread(const struct cml_light *light, double medium_n)
 {
     const double *t = light->t, *intensity = light->intensity;
@@ -259,6 +282,7 @@ double cml_light_spread(const struct cml_light *light, double medium_n)
            (t[last + 1] - t[last]) * (intensity[last] - half) / (intensity[last] - intensity[last + 1]);
 }
 
+/* Returns the depth of the plane in which a boundary continues beyond its shape, cm. */
 double cml_outer_depth(const struct cml_boundary *boundary)
 {
     if (boundary->form == CML_FORM_RADIAL) return boundary->z - boundary->radial.h[boundary->radial.n - 1];

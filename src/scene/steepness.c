@@ -13,7 +13,7 @@ static bool is_too_steep(double step, double run)
     return fabs(step) > (1 + 1e-9) * CML_STEEPEST * run;
 }
 
-/* Reports that boundary b is too steep at a place. */
+/* Refuses boundary b, because it has a slope above CML_STEEPEST at the place `at`. */
 static cml_status refuse(const struct cml_scene *scene, int b, double slope, const double at[2],
                          struct cml_error *err)
 {
@@ -26,6 +26,8 @@ static cml_status refuse(const struct cml_scene *scene, int b, double slope, con
         slope, at[0], at[1], CML_STEEPEST);
 }
 
+/* Refuses a radial heightfield with a step between two radii that is too steep for the proven bounds of
+ * rounding. */
 static cml_status check_radial(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_radial *radial = &scene->boundaries[b].radial;
@@ -61,6 +63,7 @@ static cml_status check_mesh(const struct cml_scene *scene, int b, struct cml_er
     return is_too_steep(rise, width) ? refuse(scene, b, rise / width, low, err) : CML_OK;
 }
 
+/* Refuses a repeated heightmap with a step to the next sample in x or y that is too steep. */
 static cml_status check_tile(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_heightmap *tile = &scene->boundaries[b].tile;
@@ -75,6 +78,7 @@ static cml_status check_tile(const struct cml_scene *scene, int b, struct cml_er
     return CML_OK;
 }
 
+/* Refuses a scene with a boundary that is steeper than queries can treat with proven bounds of rounding. */
 cml_status cml_scene_check_steepness(const struct cml_scene *scene, struct cml_error *err)
 {
     for (int b = 0; b <= scene->num_layers; b++) {

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Returns the word for how a surface is represented. */
 const char *cml_surface_kind_name(enum cml_surface_kind kind)
 {
     static const char *const names[] = {"plane", "cone", "mesh", "auto", "sphere", "cylinder"};
@@ -110,7 +111,7 @@ static cml_status tessellate(const struct cml_scene *scene, const struct cml_bou
     return cml_tessellate(&boundary->radial, &tessellation, &budget, mesh, err);
 }
 
-/* Represents a radial heightfield as a mesh. */
+/* Represents a radial heightfield by a mesh of triangles, and estimates the accuracy of this. */
 static cml_status make_tessellated(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                    const struct cml_surface_options *options, struct cml_surface_def *def,
                                    struct cml_error *err)
@@ -179,7 +180,8 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
     return status;
 }
 
-/* Makes the mesh that is searched for a tile: one period and a margin around it. */
+/* Makes the searchable mesh of a repeated heightmap: one period and a margin around it, which queries shift
+ * to where the packet is. */
 static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cml_mesh *mesh,
                                      const struct cml_surface_options *options, struct cml_surface_def *def,
                                      struct cml_error *err)
@@ -226,7 +228,8 @@ static cml_status represent_tile(const struct cml_scene *scene, const struct cml
     return status;
 }
 
-/* Represents a boundary in the kind that is forced, or in the one that suits it best. */
+/* Represents a boundary for queries: as the kind that --boundaries forces, or as the one that suits it
+ * best. */
 static cml_status represent(const struct cml_scene *scene, const struct cml_boundary *boundary,
                             const struct cml_surface_options *options, struct cml_surface_def *def,
                             struct cml_error *err)
@@ -310,7 +313,8 @@ static cml_status represent_bodies(const struct cml_scene *scene, const struct c
     return status;
 }
 
-/* Represents every boundary, then every body. Frees all of them again after a failure. */
+/* Makes for every boundary and every body of the scene the surface that queries search. A boundary that
+ * options->shared has too is shared with it. All are freed again after a failure. */
 cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
                                struct cml_surface_set *set, struct cml_error *err)
 {
@@ -349,6 +353,8 @@ static double outer_height(const struct cml_boundary *boundary)
     return boundary->radial.h[boundary->radial.n - 1];
 }
 
+/* Makes the plane in which a curved boundary continues beyond its border; for a tile the plane at the mean
+ * height. */
 void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def)
 {
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE, .rough = boundary->rough};
@@ -359,7 +365,8 @@ void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cm
                def);
 }
 
-/* Makes a boundary of two level rings of cones. The ring radius 1 cm is arbitrary and has no effect. */
+/* Makes a boundary of two level rings of cones: a plane that is searched like a heightfield, for trials. The
+ * ring's radius of 1 cm is arbitrary. */
 cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, struct cml_surface_def *def,
                                         struct cml_error *err)
 {
@@ -370,6 +377,7 @@ cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, str
     return make_cones(&level, level.n, boundary->z, def, err);
 }
 
+/* Frees a surface when its last user goes, and leaves the plane z = 0. */
 void cml_surface_clear(struct cml_surface_def *def)
 {
     if (cml_share_end(def->users)) {
@@ -380,6 +388,7 @@ void cml_surface_clear(struct cml_surface_def *def)
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
 }
 
+/* Frees all surfaces of a scene. */
 void cml_surfaces_free(struct cml_surface_set *set)
 {
     for (int b = 0; set->item && b < set->count; b++) cml_surface_clear(&set->item[b]);
@@ -388,6 +397,7 @@ void cml_surfaces_free(struct cml_surface_set *set)
     *set = (struct cml_surface_set){0};
 }
 
+/* True if all boundaries are planes and there are no bodies. */
 bool cml_surfaces_are_planes(const struct cml_surface_set *set)
 {
     if (set->bodies.count > 0) return false;
@@ -396,6 +406,7 @@ bool cml_surfaces_are_planes(const struct cml_surface_set *set)
     return true;
 }
 
+/* True if all boundaries are planes without roughness and there are no bodies. */
 bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set)
 {
     for (int b = 0; b < set->count; b++)

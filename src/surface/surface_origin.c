@@ -192,7 +192,8 @@ static void require_body(struct requirements *all, const struct cml_scene_body *
     if (!is_empty(range)) all->range = range;
 }
 
-/* Collects the requirements of all boundaries, detectors and bodies. */
+/* Collects from all boundaries, detectors and bodies where the origin may lie so that single precision
+ * resolves them. */
 static cml_status require_all(struct requirements *all, struct cml_error *err)
 {
     for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(require_boundary(all, b, err));
@@ -214,9 +215,9 @@ static int beam_in(const struct cml_scene *scene, struct range range)
     return 0;
 }
 
-/* Adds the requirement of bins about a place. Shapes, bodies and detectors may leave no origin from which the
- * bins are resolved. Bins without light then lose nothing, so they are accepted. Bins on which a beam shines
- * are refused, because single precision would smear all results near the beam. */
+/* Adds the requirement that single precision resolves result bins of size `length` about a place. If other
+ * parts of the scene leave no origin for that, bins without light lose nothing and are accepted; bins on
+ * which a beam shines are refused. */
 static cml_status require_bins(const double at[2], double length, double extent, struct requirements *all,
                                struct cml_error *err)
 {

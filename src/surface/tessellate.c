@@ -152,7 +152,8 @@ static void unit_point(size_t k, size_t segments, double point[2])
     point[1] = turn == 0 ? y : turn == 1 ? x : turn == 2 ? -y : -x;
 }
 
-/* Places the vertices of ring i on its polygon. */
+/* Places the vertices of ring i: a regular polygon with the area of the ring's circle or, if `inscribed`,
+ * inside the circle (vertex_factor). */
 static void put_ring(const struct rings *rings, int i, struct cml_mesh *mesh)
 {
     const size_t segments = (size_t)rings->segments[i];
@@ -277,6 +278,8 @@ static cml_status check_options(const struct cml_radial *radial, const struct cm
     return CML_OK;
 }
 
+/* Makes a mesh of a radial heightfield, as fine as the tolerance asks for. The vertices lie on rings around
+ * the axis. */
 cml_status cml_tessellate(const struct cml_radial *radial, const struct cml_tessellation *options,
                           const struct cml_mesh_budget *budget, struct cml_mesh *mesh, struct cml_error *err)
 {

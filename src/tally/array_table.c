@@ -30,6 +30,8 @@ static const enum cml_array
                      _(detector_t), _(moments), _(A_t), _(A_z)},
     of_row_grids[] = {_(Rd_ra), _(Tt_ra), _(A_rz), _(Rd_dir), _(Tt_dir), _(Rd_rt), _(Tt_rt)};
 
+/* Returns which arrays a holder (a thread's tally, a result, profiles, or a row of a sweep) contains, in the
+ * order in which they lie in its memory. */
 struct cml_array_order cml_order_of(enum cml_holder holder)
 {
 #define ORDER(list) {sizeof list / sizeof *list, list}
@@ -53,7 +55,8 @@ static size_t pixels_of(const struct cml_tally_grid *grid)
     return (size_t)grid->nx * (size_t)grid->ny;
 }
 
-/* Looks up the number of bins of each axis. An axis that the grid does not have gets no bins. */
+/* Returns the number of bins of an axis for this grid and holder, with extra cells before and behind the
+ * bins. An axis that the grid does not have gets no bins. */
 struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell_axis axis,
                                 enum cml_holder holder)
 {
@@ -87,7 +90,8 @@ struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell
     return bins(0);
 }
 
-/* True if a holder has an array with this condition. */
+/* True if a holder has the arrays that exist under the condition `when`. A holder is a thread's tally, a
+ * result, the profiles of batches, or a row of a sweep; rows have fewer arrays. */
 static bool exists(const struct cml_tally_grid *grid, enum cml_array_when when, enum cml_holder holder)
 {
     const bool rows = holder == CML_OF_ROW_BINS || holder == CML_OF_ROW_GRIDS,
@@ -135,8 +139,9 @@ static bool is_by_group(const struct cml_tally_grid *grid, const struct cml_arra
     }
 }
 
-/* Returns the number of parts in which a holder keeps an array: copies by group or batch, or 2 for sums
- * and sums of squares. */
+/* Returns how many copies of an array a holder keeps, from whose spread standard errors come: one for each
+ * group or batch of photons, or 1. An array whose cells a packet reaches at most once (KEPT_ONCE) may
+ * instead have 2 parts: sums and sums of squares. */
 static size_t parts_of(const struct cml_tally_grid *grid, const struct cml_array_info *info,
                        enum cml_holder holder)
 {
@@ -165,8 +170,9 @@ static int num_together(const struct cml_array_order *order, int first)
     return n;
 }
 
-/* Places the arrays one behind the other in the holder's order. Arrays that are stored together
- * (num_together) alternate: one part of each, then the next part of each. */
+/* Returns where in memory each array of a tally or a result begins. They lie one behind the other in the
+ * holder's order. Arrays that are stored together (num_together) alternate: one part of each, then the next
+ * part of each. */
 struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder)
 {
     const struct cml_array_order order = cml_order_of(holder);

@@ -22,7 +22,7 @@ cml_status cml_ranges_add_all(struct cml_ranges *ranges, const struct cml_ranges
     return CML_OK;
 }
 
-/* Adds the turns of a range from `from` to `to` - 1. */
+/* Adds the part of a range that lies within from ... to - 1; nothing if they do not overlap. */
 static cml_status add_between(struct cml_ranges *ranges, struct cml_range range, uint64_t from, uint64_t to,
                               struct cml_error *err)
 {
@@ -32,7 +32,8 @@ static cml_status add_between(struct cml_ranges *ranges, struct cml_range range,
     return from < to ? cml_ranges_add(ranges, (struct cml_range){from, to - from}, err) : CML_OK;
 }
 
-/* Cuts each range into its parts before, within and behind `mine`. */
+/* Keeps the photons in the range `mine`, and moves the rest to `others`. Each range is cut into what lies
+ * before, within and behind `mine`. */
 cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine, struct cml_ranges *others,
                            struct cml_error *err)
 {
@@ -49,7 +50,8 @@ cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine, str
     return status;
 }
 
-/* Takes turns from the last range, so that no other range has to move. */
+/* Takes up to `most` photons out of a set of ranges: from the last range, so that no other range has to
+ * move. */
 struct cml_range cml_ranges_take(struct cml_ranges *ranges, uint64_t most)
 {
     if (ranges->count == 0) return (struct cml_range){0};

@@ -40,8 +40,8 @@ static cml_u128 cell_of(const struct cml_cell_source *from, size_t i)
     return from->narrow ? from->narrow[i] : from->unit * from->wide[i * from->stride];
 }
 
-/* Adds n cells, beginning at number `first`, to n bins. Returns their sum. Most cells are 0, because a batch
- * has few packets, and most groups get no packets in one range. */
+/* Adds n cells, beginning at number `first`, to n bins of a result, and returns their sum. Skips four zeros
+ * at a time: most cells are 0, because a batch has few packets. */
 static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_t n, cml_u128 *to)
 {
     const uint64_t *narrow = from->narrow ? from->narrow + first : NULL;
@@ -96,7 +96,7 @@ void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_
     }
 }
 
-/* Joins the parts in which tallies keep a moment (CML_MOMENT_CELLS). */
+/* Returns a moment, joined from the parts in which tallies keep it (CML_MOMENT_CELLS). */
 static cml_u128 moment_of(const uint64_t *parts)
 {
     cml_u128 sum = 0;
@@ -104,7 +104,8 @@ static cml_u128 moment_of(const uint64_t *parts)
     return sum;
 }
 
-/* Adds the moments of detector k. sums: the moments' parts as tallies keep them. */
+/* Adds the moments of detector k to a batch of the result. sums: each moment in parts, as tallies keep
+ * them. */
 static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *sums)
 {
     const size_t media = cml_tally_media(&result->grid), at = batch * (size_t)result->grid.detectors + k;
@@ -123,7 +124,8 @@ static void add_expected(struct cml_result *result, size_t batch, const uint64_t
                                            << (CML_EXPECTED_SHIFT - result->grid.exponent[i]);
 }
 
-/* Adds totals and profiles of a tally to those of a batch. */
+/* Adds totals and profiles of a tally to those of a batch. Moments and expected values are kept in other
+ * units and are converted. */
 static void add_to_batch(struct cml_result *result, int batch, const struct cml_tally *tally,
                          const uint64_t *sums)
 {
@@ -140,6 +142,8 @@ static void add_to_batch(struct cml_result *result, int batch, const struct cml_
     add_expected(result, b, sums + at->expected);
 }
 
+/* Adds the totals and profiles of one batch to the result, and those of packets that ended after their batch
+ * to the batches they belong to. */
 void cml_result_add_batch(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
     const struct cml_late *late = &tally->late;
@@ -190,6 +194,8 @@ static void add_grid(struct cml_result *result, enum cml_array array, const stru
         cml_result_add_cells(result, array, g, &from);
 }
 
+/* Adds a tally of one piece of work to the result, except its totals and profiles, which batches keep. Large
+ * maps are mostly zero, so add_sparse adds only their nonzero cells. */
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     const struct cml_layout *own = &tally->layout;
@@ -230,6 +236,7 @@ uint64_t cml_batch_size(uint64_t photons, int batch)
 
 /* ---- weight balance ---- */
 
+/* Returns the sum of n neighbouring cells. */
 static cml_u128 sum_of(const cml_u128 *cells, size_t n)
 {
     cml_u128 sum = 0;
@@ -276,7 +283,8 @@ static double array_imbalance(const struct cml_result *result, enum cml_array ar
     return difference(sum, result->summary.balance[info->term]);
 }
 
-/* Compares exactly, in integers, so that any difference is a fault. The first one is reported. */
+/* Returns by how much the weight of all packets does not balance, in units of 2^-31 packets. All sums are
+ * integers, so any difference is a fault; the first one is reported. */
 double cml_result_imbalance(const struct cml_result *result)
 {
     const cml_u128 *balance = result->summary.balance;
@@ -335,19 +343,23 @@ double cml_result_absorbed_error(const struct cml_result *result, int medium)
 const enum cml_total cml_goals[CML_NUM_GOALS] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED,
                                                  CML_TOTAL_TRANSMITTED};
 
+/* Returns the relative standard error of a total; infinite while the total or its error is 0. */
 double cml_result_relative_error(const struct cml_result *result, enum cml_total total)
 {
     const double value = cml_result_total(result, total), error = cml_result_error(result, total);
     return value > 0 && error > 0 ? error / value : INFINITY;
 }
 
+/* Returns how many times as many photons would reach the relative error `error`, since errors fall with the
+ * square root of the photons. */
 double cml_result_times_to(const struct cml_result *result, enum cml_total total, double error)
 {
     const double times = cml_result_relative_error(result, total) / error;
     return times * times;
 }
 
-/* Converts the sum to the unit of the squares, which is coarser so that squares fit into 64 bits. */
+/* Returns the standard error from the sum and the sum of squares of packets' weights. The sum is converted
+ * to the unit of the squares, which is coarser so that squares fit into 64 bits. */
 double cml_result_square_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
 {
     const long double n = (long double)result->summary.count[CML_COUNT_PHOTONS];
@@ -355,6 +367,7 @@ double cml_result_square_error(const struct cml_result *result, cml_u128 sum, cm
     return error_of_mean(n, (long double)sum * per_square_unit, (long double)squares) * CML_SQUARE_UNIT;
 }
 
+/* Returns the sum of bin i of a profile over all batches; `profile` has n bins for each batch. */
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i)
 {
     cml_u128 sum = 0;
@@ -388,6 +401,7 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
     return error_by_groups(result, CML_NUM_BATCHES, profile + i, (size_t)n);
 }
 
+/* Returns the sum of cell i of an array over all its copies, in units of weight. */
 double cml_result_sum(const struct cml_result *result, enum cml_array array, size_t i)
 {
     const size_t step = result->layout.once[array].step;
@@ -395,6 +409,8 @@ double cml_result_sum(const struct cml_result *result, enum cml_array array, siz
     return cml_result_cell_sum(result->array[array] + i, parts, step);
 }
 
+/* Returns the standard error of cell i of an array: from the spread of groups of batches if the array is
+ * kept by group (parts > 1, step > 0), or from sums of squares. NaN if neither is kept. */
 double cml_result_sum_error(const struct cml_result *result, enum cml_array array, size_t i)
 {
     const struct cml_once once = result->layout.once[array];
@@ -405,6 +421,7 @@ double cml_result_sum_error(const struct cml_result *result, enum cml_array arra
     return error_by_groups(result, parts, cell, once.step);
 }
 
+/* Returns the sum of a cell over its copies in groups, which lie `step` cells apart. */
 double cml_result_cell_sum(const cml_u128 *cell, int groups, size_t step)
 {
     cml_u128 sum = 0;
@@ -417,6 +434,7 @@ double cml_result_cell_error(const struct cml_result *result, const cml_u128 *ce
     return error_by_groups(result, CML_NUM_GROUPS, cell, step);
 }
 
+/* Returns the sum of `count` neighbouring cells over all groups. */
 double cml_result_once_sum(const cml_u128 *cells, size_t count, struct cml_once once)
 {
     cml_u128 sum = 0;
@@ -424,6 +442,8 @@ double cml_result_once_sum(const cml_u128 *cells, size_t count, struct cml_once 
     return as_number(sum);
 }
 
+/* Returns the standard error of the sum of `count` cells. `once` tells how the cells are kept: as one sum
+ * per group, `step` cells apart, or as one sum and a sum of squares. */
 double cml_result_once_error(const struct cml_result *result, const cml_u128 *cells, size_t count,
                              struct cml_once once)
 {
@@ -443,6 +463,7 @@ uint64_t cml_result_lost(const struct cml_result *result)
     return (uint64_t)lost;
 }
 
+/* Returns the number of interactions and boundary events of all packets, a measure of the work done. */
 double cml_result_steps(const struct cml_result *result)
 {
     const cml_u128 *count = result->summary.count;

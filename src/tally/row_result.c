@@ -14,7 +14,8 @@ struct row {
     struct cml_result *to;
 };
 
-/* Prepares to take a row of a flight. */
+/* Returns where the sums of row `number` lie in the sums of a flight, for copying them into a result of its
+ * own. unit: the rows' unit of weight, counted in units of a result. */
 static struct row row_of(const struct cml_result *flight, int number, struct cml_result *to)
 {
     const struct cml_tally_grid *grid = &flight->grid;
@@ -54,7 +55,8 @@ static cml_u128 moment(const struct row *row, size_t batch, size_t k, size_t m)
                : whole << CML_ROW_MOMENT_SHIFT; /* numbers of interactions have no unit to convert */
 }
 
-/* Takes the moments of detectors of one batch. */
+/* Copies the moments of all detectors of one batch (lengths of path, depths) from the flight's sums into the
+ * row's result. */
 static void take_means(const struct row *row, size_t batch)
 {
     struct cml_result *to = row->to;
@@ -67,7 +69,8 @@ static void take_means(const struct row *row, size_t batch)
     }
 }
 
-/* Takes the totals of one batch, and the terms of the balance. */
+/* Copies the totals of one batch from the flight's sums into the row's result, and adds to the balance of
+ * weight. */
 static void take_totals(const struct row *row, size_t batch)
 {
     const size_t media = cml_tally_media(&row->to->grid);
@@ -81,6 +84,8 @@ static void take_totals(const struct row *row, size_t batch)
     balance[CML_BALANCE_ABSORBED] += totals[CML_TOTAL_ABSORBED];
 }
 
+/* Copies one batch of a sweep's row from the flight's sums into the row's own result: binned arrays, means
+ * and totals. */
 static void take_batch(const struct row *row, size_t batch)
 {
     const struct cml_array_order order = cml_order_of(CML_OF_ROW_BINS);
@@ -123,7 +128,8 @@ static void take_directions(const struct row *row, size_t first)
     }
 }
 
-/* Makes the result and fills in all sums by batch. Detectors of rows have no pixels. */
+/* Makes the result of a row with the flight's sizes, and copies all sums by batch. Detectors of rows have no
+ * pixels. */
 static cml_status take_batches(const struct row *row, struct cml_error *err)
 {
     const struct cml_tally_grid *flown = &row->flight->grid;
@@ -154,6 +160,8 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
     return CML_OK;
 }
 
+/* Makes the result of row `number` of a sweep from the flight that several rows share. In the memory of a
+ * row, arrays by batch stand first, and grids that are kept by group follow. */
 cml_status cml_row_result(const struct cml_result *flight, int number, struct cml_result *to,
                           struct cml_error *err)
 {
@@ -186,6 +194,8 @@ double cml_effective_packets(const struct cml_result *result, enum cml_total tot
     return effective_packets(result, cml_result_relative_error(result, total));
 }
 
+/* Returns how many packets of equal weight would give the same relative error of the absorption. Few
+ * effective packets warn that a few heavy packets carry the result. */
 double cml_effective_packets_by_depth(const struct cml_result *result)
 {
     const size_t nz = (size_t)result->grid.nz;

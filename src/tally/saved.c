@@ -39,6 +39,7 @@ static size_t capacity_of(const struct cml_saved_kind *kind)
     return kind->limit + kind->limit / 4 + 1024;
 }
 
+/* Returns the memory of saved packets in bytes: a row and a sort key for each packet. */
 double cml_saved_bytes(const struct cml_saved_kind *kind)
 {
     return kind->limit
@@ -46,8 +47,8 @@ double cml_saved_bytes(const struct cml_saved_kind *kind)
                : 0;
 }
 
-/* Allocates rows and sorting keys for more rows than the limit, so that surplus rows need not be dropped one
- * by one. */
+/* Allocates the store of saved packets; NULL if none are to be saved. It has room for more rows than the
+ * limit, so that surplus rows need not be dropped one by one. */
 cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved **saved,
                             struct cml_error *err)
 {
@@ -125,8 +126,8 @@ static size_t part_keys(struct key *key, size_t begin, size_t end)
     }
 }
 
-/* Quicksort that sorts only the first `most` keys. The shorter part goes to a recursive call, so the
- * recursion is shallow. */
+/* Sorts the first `most` keys of all (Quicksort that ignores ranges behind them). The shorter part goes to a
+ * recursive call, so the recursion is shallow. */
 static void sort_keys(struct key *key, size_t begin, size_t end, size_t most)
 {
     while (end - begin > 1 && begin < most) {
@@ -179,6 +180,9 @@ static void arrange(struct cml_saved *saved, bool by_index)
     move_rows(saved);
 }
 
+/* Sorts the kept packets and cuts them to the limit. If more were found than may stay, the packets with the
+ * lowest order numbers stay, and `last` becomes the highest of these. Returns how many were found and
+ * kept. */
 struct cml_saved_sums cml_saved_sort(struct cml_saved *saved)
 {
     if (saved->count >= saved->limit) {
@@ -192,6 +196,8 @@ struct cml_saved_sums cml_saved_sort(struct cml_saved *saved)
 
 /* ---- adding ---- */
 
+/* Adds `count` found packets. A row is the packet's index and its values. Packets behind the last one that
+ * can stay are counted, not kept. */
 void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count)
 {
     const uint64_t *from = rows;
@@ -203,6 +209,7 @@ void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count)
     }
 }
 
+/* True if a run of so many photons can contain a packet of this index; the upper bits name the beam. */
 bool cml_saved_may_have(const struct cml_saved *saved, uint64_t index, uint64_t photons)
 {
     const uint64_t beam = index >> CML_SOURCE_SHIFT;
@@ -219,6 +226,8 @@ size_t cml_saved_media(const struct cml_saved *saved)
     return saved->media;
 }
 
+/* Returns for how many launched photons the saved packets are complete: all if no packet was dropped,
+ * otherwise those whose order number is at most that of the last kept packet. */
 uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *run)
 {
     struct cml_piece piece;
@@ -264,6 +273,7 @@ cml_status cml_saved_part_create(const struct cml_saved_kind *kind, struct cml_s
     return CML_OK;
 }
 
+/* Passes the rows that a thread has collected to the receiver and empties the thread's buffer. */
 void cml_saved_hand_in(struct cml_saved_part *part)
 {
     if (!part) return;
@@ -271,6 +281,7 @@ void cml_saved_hand_in(struct cml_saved_part *part)
     part->count = 0;
 }
 
+/* Returns the next free row of a thread's buffer; a full buffer is passed on first. */
 struct cml_saved_row *cml_saved_next(struct cml_saved_part *part)
 {
     if (part->count == part->capacity) cml_saved_hand_in(part);

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
+/* Returns the term of the energy balance that belongs to a total such as the diffuse reflectance. */
 enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
 {
     static const enum cml_balance_term terms[CML_NUM_TOTALS] = {[CML_TOTAL_SPECULAR] = CML_BALANCE_SPECULAR,
@@ -30,6 +31,7 @@ struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid
     return small;
 }
 
+/* True if a thread's own tally lacks large arrays (A_rz or fluence), which all threads then share. */
 bool cml_tally_grid_is_shared(const struct cml_tally_grid *grid)
 {
     const struct cml_tally_grid small = cml_tally_grid_of_thread(grid);
@@ -53,6 +55,8 @@ size_t cml_tally_profile_bins(const struct cml_tally_grid *grid)
     return cml_layout_of(grid, CML_OF_PROFILES).cells;
 }
 
+/* Returns the memory of one thread's tally in bytes. Among the profiles only those of detectors are counted,
+ * because only they can be many. */
 double cml_tally_bytes(const struct cml_tally_grid *grid)
 {
     /* Number of sets of profiles in a tally: the current sums, the sums before the current batch, and one row
@@ -89,7 +93,8 @@ static void prefer_large_pages(void *block, size_t bytes)
 #endif
 }
 
-/* Allocates all arrays of a tally in one block, so that merging and clearing are one loop. */
+/* Makes an empty tally for this grid. All its arrays lie in one block, so that adding and clearing are one
+ * loop. */
 cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally *tally, struct cml_error *err)
 {
     *tally = (struct cml_tally){.grid = *grid,
@@ -168,6 +173,8 @@ static void add_cells(uint64_t *to, const uint64_t *from, size_t n)
     for (size_t i = 0; i < n; i++) to[i] += from[i];
 }
 
+/* Adds the sums of one tally to another and sets the first to zero. The tallies may differ in A_z and in
+ * arrays that only one has, so each array is added by its own place. */
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 {
     const struct cml_layout *own = &from->layout;
@@ -183,6 +190,9 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
     cml_tally_zero(from);
 }
 
+/* Returns the row of profiles for packets that end after their batch was closed. A batch's first late packet
+ * gets a new row. Old entries of row_of are never cleared: an entry is valid only if its row names the
+ * batch. */
 uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
 {
     struct cml_late *late = &tally->late;
@@ -210,6 +220,7 @@ static void add_columns(const uint64_t *cells, size_t rows, size_t columns, uint
         for (size_t j = 0; j < columns; j++) sums[j] += cells[i * columns + j];
 }
 
+/* Adds each row of a matrix to its own sum: sums[i] grows by the sum of row i. */
 static void add_rows(const uint64_t *cells, size_t rows, size_t columns, uint64_t *restrict sums)
 {
     for (size_t i = 0; i < rows; i++)

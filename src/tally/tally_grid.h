@@ -92,6 +92,8 @@ static inline size_t cml_tally_moments(const struct cml_tally_grid *grid)
 
 /* Largest number of cells of absorption by medium and gate; with more cells the array does not exist. */
 #define CML_MEDIUM_TIMES 65536
+/* True if absorption is kept for each medium and time gate: only with gates, and only while the array stays
+ * small. + 1 is the gate for late light. */
 static inline bool cml_has_medium_times(const struct cml_tally_grid *grid)
 {
     return grid->gates > 0 && (grid->absorption || grid->depths) && !grid->row_times && !grid->row_depths &&
@@ -110,6 +112,7 @@ static inline size_t cml_groups_of(size_t step)
 {
     return step ? CML_NUM_GROUPS : 1;
 }
+/* Returns how many copies of the cell arrays are kept: one for each group of batches, or one. */
 static inline int cml_cell_groups(const struct cml_tally_grid *grid)
 {
     return grid->cell_errors ? CML_NUM_GROUPS : 1;

@@ -19,7 +19,8 @@
 #define CML_GROUP 16 /* numbers in a vector of AVX-512 */
 #define CML_GROUP_MASK 0xffffu
 
-/* Returns the mask of the entries that have this value. */
+/* Returns a mask with a bit for each of the CML_GROUP entries of a column that equals `value`. Written three
+ * times, for AVX-512, AVX2 and plain C, since compilers make slow code of the last. */
 static inline uint32_t cml_group_equal(const int *column, int value)
 {
 #ifdef __AVX512F__
@@ -40,7 +41,7 @@ static inline uint32_t cml_group_equal(const int *column, int value)
 #endif
 }
 
-/* Returns the mask of the entries below 0. A NaN is not below 0. */
+/* Returns a mask with a bit for each of the CML_GROUP entries of a column that is below 0. A NaN is not. */
 static inline uint32_t cml_group_negative(const float *column)
 {
 #ifdef __AVX512F__

@@ -26,9 +26,8 @@ static void note_line(const struct cml_scene *scene, int line, const char *forma
 
 #define note(scene, b, ...) note_line(scene, (scene)->boundaries[b].line, __VA_ARGS__)
 
-/* Notes beams and maps that reach beyond a mesh. Light there meets the plane in which the boundary continues,
- * which may not be meant. The beam's axis is taken as straight, without refraction, down to the depth of the
- * mesh's border. */
+/* Notes beams and maps that reach beyond the mesh of boundary b, where light meets the plane in which the
+ * boundary continues. The beam's axis is taken as straight, down to the depth of the mesh's border. */
 static cml_status note_reach(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
@@ -167,6 +166,8 @@ static void note_lost(const struct cml_scene *scene, const struct cml_surface_se
               k + 1, above ? "above" : "below", above ? "up" : "down");
 }
 
+/* Checks that every beam that begins inside the scene does so in a medium. Surfaces are made only if there
+ * is such a beam. */
 cml_status cml_check_starts(const struct cml_scene *scene, const struct cml_surface_options *options,
                             struct cml_error *err)
 {
@@ -177,6 +178,8 @@ cml_status cml_check_starts(const struct cml_scene *scene, const struct cml_surf
     return cml_source_media(scene, &surfaces, &medium, err);
 }
 
+/* Shows notes on beams that are allowed but probably not what the user wants, such as light that a clear
+ * layer traps. */
 cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int **starts,
                          struct cml_error *err)
 {

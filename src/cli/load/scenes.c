@@ -38,6 +38,7 @@ cml_status cml_check_stack(struct cml_error *err)
                     (unsigned long long)stack.rlim_cur / 1024, LEAST_STACK);
 }
 
+/* Prints a note on standard error, with the number of the rank unless it is rank 0. */
 void cml_show_note(void *context, const char *text)
 {
     (void)context;
@@ -110,6 +111,8 @@ static bool lies_alike(const struct cml_scene *one, const struct cml_scene *othe
     return true;
 }
 
+/* Copies a scene with other settings, for a row of a sweep. Shapes that the settings change are read again
+ * from `inputs`, which keeps the bytes of all files. Overlaps are checked only if something has moved. */
 cml_status cml_copy_scene(const struct cml_options *options, const struct cml_settings *settings,
                           const char *output, struct cml_inputs *inputs, const struct cml_scene *from,
                           struct cml_scene *scene, struct cml_error *err)
@@ -149,6 +152,8 @@ cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_l
     return load(options, NULL, list, err);
 }
 
+/* Reads the scenes and keeps the bytes of all files read, as a run does to resume and to send them to
+ * ranks. */
 cml_status cml_load_scenes_as_run(const struct cml_options *options, struct cml_scene_list *list,
                                   struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -159,7 +164,8 @@ cml_status cml_load_scenes_as_run(const struct cml_options *options, struct cml_
     return status;
 }
 
-/* Sends the bytes of the files that rank 0 read to all ranks. */
+/* Sends the bytes of all files that rank 0 has read to the other ranks, which then read the scene from these
+ * bytes. */
 static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
 {
     char *block = NULL;
@@ -188,6 +194,7 @@ static cml_status load_shared(const struct cml_options *options, struct cml_scen
     return cml_cluster_agree(status, err);
 }
 
+/* Reads the scenes on all ranks: only rank 0 opens files, the others get their bytes. */
 cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_scene_list *list,
                                   struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -200,6 +207,7 @@ cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_
     return status;
 }
 
+/* Reads the scenes and calls `fly` for each, with the number of threads chosen for this rank. */
 cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly, struct cml_error *err)
 {
     struct cml_options mine = *options;
@@ -213,6 +221,8 @@ cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly,
     return CML_OK;
 }
 
+/* Makes the surfaces that a scene is flown with. With --tolerance, shapes too slight to matter become
+ * planes. */
 cml_status cml_choose_surfaces(const struct cml_options *options, const struct cml_scene *scene,
                                struct cml_surface_set *surfaces, struct cml_error *err)
 {
@@ -223,6 +233,7 @@ cml_status cml_choose_surfaces(const struct cml_options *options, const struct c
     return status;
 }
 
+/* Makes the path of an output: `name` in the folder of -o, unless the name is absolute. */
 cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
                            struct cml_error *err)
 {
@@ -282,12 +293,14 @@ static struct memory memory_of(const struct cml_options *options, const struct c
     return memory;
 }
 
+/* Returns the most memory that a run will hold, in bytes. */
 double cml_most_memory(const struct cml_options *options, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces)
 {
     return memory_of(options, scene, surfaces).most;
 }
 
+/* Refuses a run that needs more memory than the machine has, before the run begins. */
 cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
                             const struct cml_surface_set *surfaces, struct cml_error *err)
 {
@@ -298,6 +311,7 @@ cml_status cml_check_memory(const struct cml_options *options, const struct cml_
                     scene->file, scene->output, bytes / gib, most / gib);
 }
 
+/* Prints the largest memory that a run will need, with the shares of sums and of writing files. */
 void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces)
 {
@@ -307,6 +321,8 @@ void cml_print_memory(const struct cml_options *options, const struct cml_scene 
            memory.tallies / mib, memory.output / mib);
 }
 
+/* Prints what the reader changed on the mesh of boundary b, so that the user can correct the file. Nothing
+ * if nothing was changed. */
 void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
@@ -328,8 +344,8 @@ void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
                b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
 }
 
-/* Notes more threads than cores, which take turns and are slow; the usual mistake under mpiexec. Only rank 0
- * notes it. */
+/* Notes on rank 0 that there are more threads than cores, which slows a run: a usual mistake under mpiexec,
+ * which binds processes to one core. */
 static void warn_of_binding(int threads)
 {
     struct cml_cores cores;
@@ -343,6 +359,8 @@ static void warn_of_binding(int threads)
     cml_show_note(NULL, text);
 }
 
+/* Returns the number of threads of this rank: that of --threads, else OMP_NUM_THREADS, else this rank's
+ * share of the machine's cores. 0 leaves an odd value to OpenMP. */
 int cml_choose_threads(const struct cml_options *options)
 {
     const char *environment = getenv("OMP_NUM_THREADS");

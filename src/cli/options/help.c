@@ -55,6 +55,7 @@ static void print_item(FILE *stream, const char *typed, const char *text)
     print_wrapped(stream, text, INDENT, INDENT);
 }
 
+/* Prints one option: how it is typed, and its help. owners: adds the commands that it belongs to. */
 static void print_option(FILE *stream, const struct cml_option *option, bool owners)
 {
     char letter[8] = "", typed[80], commands[160] = "", text[640];
@@ -81,7 +82,7 @@ static void print_options(FILE *stream, enum cml_command command)
     }
 }
 
-/* Prints the names of the pages in a folder. */
+/* Prints the words of all pages of a folder of the manual on one line, for `help` without a topic. */
 static void print_pages(FILE *stream, const char *folder)
 {
     char names[640] = "";
@@ -164,6 +165,7 @@ static void print_list(FILE *stream)
                     "  clustermcml plot results/hihill.mco -o hihill.svg\n");
 }
 
+/* Prints the help of a command: usage, text, options and examples. */
 static void print_command(FILE *stream, enum cml_command which)
 {
     const struct cml_command_def *command = &cml_commands[which];
@@ -176,6 +178,7 @@ static void print_command(FILE *stream, enum cml_command which)
         fprintf(stream, "  %.*s\n", (int)strcspn(line, "\n"), line);
 }
 
+/* Prints an option with its commands, then what the manual says about it. */
 static void print_one_option(FILE *stream, const struct cml_option *option)
 {
     char typed[48];
@@ -184,23 +187,29 @@ static void print_one_option(FILE *stream, const struct cml_option *option)
     cml_manual_print_word(stream, typed);
 }
 
-static cml_status refuse(const char *topic, struct cml_error *err)
+/* Refuses an option --NAME that does not exist, and suggests the one with the most similar name. */
+static cml_status refuse_option(const char *topic, struct cml_error *err)
 {
+    const char *name = topic + strlen("--"), *meant = cml_option_guess(name, strlen(name));
+    if (meant) return cml_fail(err, CML_E_INPUT, "unknown option %s (did you mean --%s?)", topic, meant);
+    return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", topic);
+}
+
+/* Refuses a topic that help does not know, and suggests the command or page with the most similar name. */
+static cml_status refuse_topic(const char *topic, struct cml_error *err)
+{
+    if (strncmp(topic, "--", 2) == 0) return refuse_option(topic, err);
     struct cml_guess guess = {.word = topic, .length = strlen(topic)};
     for (int i = 0; i < CML_NUM_COMMANDS; i++) cml_guess_offer(&guess, cml_commands[i].name);
     for (const struct cml_manual_page *page = cml_manual; page->name; page++)
         cml_guess_offer(&guess, page->word);
-    const char *meant = cml_guess_best(&guess);
-    if (strncmp(topic, "--", 2) == 0) {
-        meant = cml_option_guess(topic + 2, strlen(topic + 2));
-        return cml_fail(err, CML_E_INPUT, "unknown option %s (%s%s%s)", topic,
-                        meant ? "did you mean --" : "try clustermcml --help", meant ? meant : "",
-                        meant ? "?" : "");
-    }
-    return cml_fail(err, CML_E_INPUT, "help: no text on %s (%s%s%s)", *topic ? topic : "\"\"",
-                    meant ? "did you mean " : "try clustermcml help", meant ? meant : "", meant ? "?" : "");
+    const char *meant = cml_guess_best(&guess), *shown = *topic ? topic : "\"\"";
+    if (meant) return cml_fail(err, CML_E_INPUT, "help: no text on %s (did you mean %s?)", shown, meant);
+    return cml_fail(err, CML_E_INPUT, "help: no text on %s (try clustermcml help)", shown);
 }
 
+/* Prints the help on a topic. Names are looked up in this order: lists, options, commands, pages of the
+ * manual, and words that the manual explains. */
 cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err)
 {
     if (!topic) {
@@ -241,5 +250,5 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
     option = cml_option_find(topic, strlen(topic));
     if (option) print_one_option(stream, option);
     found = cml_manual_print_word(stream, topic) > 0 || option || cml_manual_print_word(stream, dashed) > 0;
-    return found ? CML_OK : refuse(topic, err);
+    return found ? CML_OK : refuse_topic(topic, err);
 }

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Refuses the value of an option, with a hint if it looks like a number in another notation. */
 static cml_status fail(struct cml_error *err, const struct cml_option *option, const char *value,
                        const char *expected)
 {
@@ -22,7 +23,8 @@ static void *member_of(const struct cml_option *option, struct cml_options *opti
     return (char *)options + option->member;
 }
 
-/* Sets a bool, an enumerator or an int. */
+/* Stores a whole number in the member of the options that the option names: a bool, or an int or
+ * enumerator. */
 static cml_status set(const struct cml_option *option, int number, struct cml_options *options)
 {
     if (option->size == sizeof(bool))
@@ -32,6 +34,7 @@ static cml_status set(const struct cml_option *option, int number, struct cml_op
     return CML_OK;
 }
 
+/* Sets an option that takes no value. */
 cml_status cml_read_flag(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -39,6 +42,7 @@ cml_status cml_read_flag(const struct cml_option *option, const char *value, str
     return set(option, (int)option->least, options);
 }
 
+/* Keeps an option's value as text. The text lives in argv, so it need not be copied. */
 cml_status cml_read_text(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -47,7 +51,7 @@ cml_status cml_read_text(const struct cml_option *option, const char *value, str
     return CML_OK;
 }
 
-/* Reads a whole number within the option's range. */
+/* Reads a whole number within the range of the option's row in the table. */
 static cml_status count(const struct cml_option *option, const char *value, uint64_t *number,
                         struct cml_error *err)
 {
@@ -82,6 +86,7 @@ cml_status cml_read_int(const struct cml_option *option, const char *value, stru
     return set(option, (int)number, options);
 }
 
+/* Reads a number in the option's range. option->words describes the range for the message. */
 cml_status cml_read_number(const struct cml_option *option, const char *value, struct cml_options *options,
                            struct cml_error *err)
 {
@@ -90,6 +95,8 @@ cml_status cml_read_number(const struct cml_option *option, const char *value, s
     return fail(err, option, value, option->words);
 }
 
+/* Reads the value of an option that takes one of several words. The option's number becomes its least value
+ * plus the word's position in the list. */
 cml_status cml_read_word(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -135,6 +142,8 @@ static bool parse_pair(const char *value, double *a, double *b)
     return cml_parse_double(first, a) && cml_parse_double(comma + 1, b);
 }
 
+/* Reads --roulette: `mcml` for that of original MCML, or two weights: below the first, roulette is played,
+ * and survivors get the second. */
 cml_status cml_read_roulette(const struct cml_option *option, const char *value, struct cml_options *options,
                              struct cml_error *err)
 {
@@ -159,6 +168,8 @@ static bool is_aim(const char *name)
     return *number >= '1' && *number <= '9' && cml_parse_int(number, &layer);
 }
 
+/* Reads --aim: names of the quantities that packets are guided to. Whether the scene has them is checked
+ * later. */
 cml_status cml_read_aim(const struct cml_option *option, const char *value, struct cml_options *options,
                         struct cml_error *err)
 {
@@ -171,6 +182,7 @@ cml_status cml_read_aim(const struct cml_option *option, const char *value, stru
     return CML_OK;
 }
 
+/* Reads --error-of: the one layer or detector whose error ends a run. */
 cml_status cml_read_error_of(const struct cml_option *option, const char *value, struct cml_options *options,
                              struct cml_error *err)
 {
@@ -181,6 +193,7 @@ cml_status cml_read_error_of(const struct cml_option *option, const char *value,
     return CML_OK;
 }
 
+/* Reads --checkpoint: an interval in seconds, or "off", which counts as 0. */
 cml_status cml_read_checkpoint(const struct cml_option *option, const char *value,
                                struct cml_options *options, struct cml_error *err)
 {
@@ -189,6 +202,7 @@ cml_status cml_read_checkpoint(const struct cml_option *option, const char *valu
     return CML_OK;
 }
 
+/* Reads --part K/N: this process flies only part K of N. */
 cml_status cml_read_part(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
@@ -211,6 +225,7 @@ cml_status cml_read_tolerance(const struct cml_option *option, const char *value
     return cml_read_number(option, value, options, err);
 }
 
+/* Reads the largest number of triangles that a heightmap's mesh may have. */
 cml_status cml_read_mesh_budget(const struct cml_option *option, const char *value,
                                 struct cml_options *options, struct cml_error *err)
 {

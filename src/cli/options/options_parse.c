@@ -36,7 +36,8 @@ static void take_value(struct words *words, const char *behind)
     words->value = behind ? behind : words->at < words->argc ? words->argv[words->at++] : NULL;
 }
 
-/* Reads the next option of a group of letters like -xh. */
+/* Takes the next option of a group of letters like -xh. An option with a value ends the group: the rest of
+ * the word, or the next word, is its value. */
 static enum word_kind take_letter(struct words *words)
 {
     const char letter = *words->letters++;
@@ -50,7 +51,7 @@ static enum word_kind take_letter(struct words *words)
     return WORD_OPTION;
 }
 
-/* Reads a long option, --name or --name=value. */
+/* Takes a long option, --name or --name=value. surplus: a value was given to an option that takes none. */
 static enum word_kind take_name(struct words *words, const char *name)
 {
     const size_t length = strcspn(name, "=");
@@ -83,6 +84,8 @@ static enum word_kind next_word(struct words *words)
 
 /* ---- refusals ---- */
 
+/* Refuses a word that looks like an option but is none, and suggests the nearest name: also for a long name
+ * behind a single dash. */
 static cml_status refuse_unknown(const struct words *words, struct cml_error *err)
 {
     const char *name = words->typed + 2, *meant = NULL, *whole = words->operand + 1;
@@ -95,7 +98,7 @@ static cml_status refuse_unknown(const struct words *words, struct cml_error *er
     return cml_fail(err, CML_E_INPUT, "unknown option %s (did you mean --%s?)", words->typed, meant);
 }
 
-/* Refuses an option that has no effect here: its writer expected one. */
+/* Refuses an option that has no effect on this command or engine, because the user expected one. */
 static cml_status check_belongs(const struct words *words, const struct cml_options *options,
                                 struct cml_error *err)
 {
@@ -114,6 +117,8 @@ static cml_status check_belongs(const struct words *words, const struct cml_opti
                     words->typed, options->engine->name, option->engine);
 }
 
+/* Checks an option before its value is read: known, allowed for this command, with a value exactly if it
+ * takes one. */
 static cml_status check_option(const struct words *words, const struct cml_options *options,
                                struct cml_error *err)
 {
@@ -136,7 +141,8 @@ static const char *misspelt_command(const struct cml_options *options)
     return is_scene ? NULL : cml_command_guess(word);
 }
 
-/* Refuses too many operands; two scenes are the usual mistake. */
+/* Refuses a wrong number of operands. The usual mistakes, no scene or two scenes, get messages of their own;
+ * others get the usage. */
 static cml_status refuse_operands(const struct cml_options *options, struct cml_error *err)
 {
     const struct cml_command_def *command = &cml_commands[options->which];
@@ -166,7 +172,7 @@ static cml_status refuse_fit(int argc, char **argv, const struct cml_options *op
 
 /* ---- reading ---- */
 
-/* Sets all options whose default is not zero. */
+/* Sets the defaults of all options: those not named here are 0, false or NULL. */
 static void set_defaults(struct cml_options *options)
 {
     *options = (struct cml_options){.engine = cml_engine_find("cpu")};
@@ -225,8 +231,8 @@ static void keep_call(int argc, char **argv, struct cml_options *options)
     options->call[0] = '\0';
 }
 
-/* Reads the words that decide which options are allowed, wherever they stand: the command, the engine,
- * --help. Flags and the engine are read again later, without a change; so are mistakes. */
+/* Reads in advance the words that decide which options are allowed, wherever they stand: the command, the
+ * engine and --help. Mistakes are left to the second reading. */
 static void look_ahead(int argc, char **argv, struct cml_options *options)
 {
     struct words words = {.argc = argc, .at = 1, .argv = argv};
@@ -258,6 +264,8 @@ static bool is_topic(struct words *words, const struct cml_options *options)
     return true;
 }
 
+/* Reads the command line into *options. Operands (words that are no options) are moved to the front of argv,
+ * in their order. */
 cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
 {
     set_defaults(options);

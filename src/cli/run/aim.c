@@ -27,6 +27,7 @@ static int find_detector(const struct cml_scene *scene, const char *name, int le
     return 0;
 }
 
+/* Adds a detector to the quantities that --aim names. name: `length` letters of the option's text. */
 static cml_status add_detector(const char *name, int length, const struct cml_scene *scene,
                                struct wanted *wanted, struct cml_error *err)
 {
@@ -49,6 +50,9 @@ static void add_layer(int layer, bool reached, struct wanted *wanted)
         wanted->layers = layer - 1;
 }
 
+/* Adds the absorption of the layer in "A_l:N" to the quantities that --aim names. Layer 1 is refused,
+ * because packets reach the first layer anyway. level: all layers below layer `level` are flat, 0 if
+ * unknown. */
 static cml_status add_absorption(const char *name, int length, const struct cml_scene *scene, int level,
                                  struct wanted *wanted, struct cml_error *err)
 {
@@ -88,7 +92,8 @@ static bool wants_packets(const struct cml_scene *scene)
     return scene->map.nx > 0 || scene->facets || scene->directions.nt > 0 || scene->saved.limit > 0;
 }
 
-/* Makes the windows of an aim, which split packets. */
+/* Makes the weight windows of an aim, for one detector or for light below some layers. Windows split
+ * packets, so results that need whole packets are refused. */
 static cml_status aim_windows(const char *aim, const struct cml_scene *scene,
                               const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                               struct wanted wanted, struct cml_window_table *windows, struct cml_error *err)
@@ -125,9 +130,8 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
     return cml_aim_refuse(scene, name, length, expected, err);
 }
 
-/* Makes an aim. media: media of the flat scene. tail: whether to make the tail (expected values), which takes
- * longest. The names of the aim are checked in any case. That enough light gets there is only checked with
- * the tail, because the check needs expected values. */
+/* Makes what an aim needs: weight windows, and a table of the flat tail if `tail` (takes longest). All names
+ * in `aim` are checked in any case. media: those of the flat scene. */
 static cml_status create(const char *aim, const struct cml_scene *scene,
                          const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                          bool tail, struct cml_aim *to, struct cml_error *err)
@@ -147,7 +151,8 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
-/* Makes an aim for the depths at which the surfaces really lie. */
+/* Makes what --aim needs. Layers are taken as thick as they are between the mean depths of their surfaces.
+ * tail: also make the table of the flat tail, which takes longer. */
 static cml_status create_of(const char *aim, const struct cml_scene *scene,
                             const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
                             struct cml_error *err)
@@ -165,6 +170,8 @@ static cml_status create_of(const char *aim, const struct cml_scene *scene,
     return status;
 }
 
+/* Makes what --aim needs: a table of the flat tail for light below the uneven part of the scene, and weight
+ * windows for other aims. */
 cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
                           const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
 {
@@ -195,12 +202,15 @@ cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_s
     return create_for(options, scene, surfaces, true, to, err);
 }
 
+/* Lets an engine use the aim: its table of the tail, its windows, whichever it has. */
 void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options)
 {
     if (aim->tail.scores > 0) options->tail = &aim->tail;
     if (aim->windows.cells > 0) options->windows = &aim->windows;
 }
 
+/* Finds the number for what --error-of names: a layer as its number, a detector as its negative number
+ * counted from 1. 0 without the option. */
 cml_status cml_find_error_of(const struct cml_options *options, const struct cml_scene *scene, int *of,
                              struct cml_error *err)
 {
@@ -214,6 +224,7 @@ cml_status cml_find_error_of(const struct cml_options *options, const struct cml
                     scene->file, scene->line, name, scene->num_layers);
 }
 
+/* Tries out --aim before any flight, so that a refusal comes early. The aim itself is made again later. */
 cml_status cml_aim_check(const struct cml_options *options, const struct cml_scene *scene,
                          const struct cml_surface_set *shared, struct cml_error *err)
 {
@@ -235,7 +246,8 @@ void cml_aim_clear(struct cml_aim *aim)
     cml_window_table_clear(&aim->windows);
 }
 
-/* True if aiming at detector k would pay. A refusal means no. */
+/* True if --aim at detector k would make its error smaller in the same time. An aim that is refused gains
+ * nothing. */
 static bool would_gain(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int k)
 {
     struct cml_error refusal;
@@ -246,6 +258,8 @@ static bool would_gain(const struct cml_scene *scene, const struct cml_surface_s
     return gain;
 }
 
+/* Returns a detector that no packet has reached and that --aim would help, counted from 1; otherwise 0. A
+ * note then suggests --aim to the user. */
 int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                    const struct cml_result *result)
 {

@@ -17,6 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* True if a checkpoint, or its older version, exists. */
 bool cml_has_checkpoint(const char *path)
 {
     char older[PATH_MAX];
@@ -40,6 +41,8 @@ static uint64_t photons_of(const char *path)
     return !cml_file_is_device(path) && cml_head_read(path, &head) ? head.photons : 0;
 }
 
+/* Refuses to let --resume replace another run's result that has more photons, because it took longer to
+ * fly. */
 cml_status cml_before_keep_better(const struct cml_options *options, const char *path, uint64_t photons,
                                   uint64_t *found, struct cml_error *err)
 {
@@ -88,8 +91,8 @@ static const char *fault_of(const struct looking *looking, const struct cml_repo
     return looking->resumes || looking->extends ? fault_of_result(looking, file) : NULL;
 }
 
-/* Looks at one file of the run, as a cml_report_file_function. Keeps the first file that exists, and the
- * first one with a fault. */
+/* Looks, before the flight, at one file that the run may write. Keeps the path of the first file that is
+ * there already, and that of the first one that is missing or of another run, with what is wrong. */
 static cml_status look(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     const struct looking *looking = context;
@@ -108,7 +111,7 @@ struct cml_report_asks cml_report_asks_of(const struct cml_run_setup *setup)
                                     setup->options.derivatives || setup->options.tail};
 }
 
-/* Looks at all files of a run. */
+/* Looks at every file that the run will write, and notes in *before which exist and of which run they are. */
 static cml_status find_files(const struct cml_options *options, const struct cml_run_setup *setup,
                              bool extends, struct cml_before *before, struct cml_error *err)
 {
@@ -175,6 +178,8 @@ static cml_status keep_better(const struct cml_options *options, const struct cm
     return cml_before_keep_better(options, path, setup->photons, &found, err);
 }
 
+/* Looks at what lies under the names of a run's files before it flies: a result that stands, a result of
+ * another run, a checkpoint. row: of a sweep from 1, or 0. */
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                            struct cml_before *before, struct cml_error *err)
 {
@@ -236,6 +241,7 @@ static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind,
     cml_show_note(NULL, text);
 }
 
+/* Notes that the file of a part exists and will be replaced, since --resume was not given. */
 static void note_old_part(const char *path)
 {
     char text[512];
@@ -244,7 +250,7 @@ static void note_old_part(const char *path)
     cml_show_note(NULL, text);
 }
 
-/* Notes beams whose share is too small for one photon. */
+/* Notes beams that get none of the photons because their share is too small. */
 static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
 {
     struct cml_error ignored;
@@ -273,6 +279,8 @@ static void note_no_medium_times(const struct cml_scene *scene)
     cml_show_note(NULL, text);
 }
 
+/* Describes a file that will be replaced, for a note; with the photons of an old result, which cost time.
+ * False if there is no file. */
 bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
 {
     if (access(path, F_OK) != 0 || cml_file_is_device(path)) return false;
@@ -282,8 +290,8 @@ bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
     return true;
 }
 
-/* Notes files that will be replaced. The file of saved packets has a name of its own, and may belong to
- * another run. */
+/* Tells the user which files of an earlier run will be replaced. The file of saved packets has a name of its
+ * own, and may belong to another run. */
 static void note_replaced(const struct cml_scene *scene, const char *there)
 {
     struct cml_error ignored;
@@ -295,6 +303,8 @@ static void note_replaced(const struct cml_scene *scene, const char *there)
     free(saved);
 }
 
+/* Shows notes on what a run overwrites or misses when it begins to fly: checkpoints, results, beams without
+ * photons. */
 void cml_before_note(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                      const struct cml_before *before)
 {

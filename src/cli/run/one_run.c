@@ -41,6 +41,7 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
     return status == CML_E_NUMERIC ? CML_OK : status;
 }
 
+/* Prints the summary of a run for people, and the names of its files. */
 static void print_summary(const struct cml_options *options, const struct cml_report *report)
 {
     cml_report_summary(stdout, report);
@@ -49,7 +50,7 @@ static void print_summary(const struct cml_options *options, const struct cml_re
     for (int i = 0; i < report->num_files; i++) printf("  -> %s\n", report->files[i]);
 }
 
-/* Notes why derivatives by mua of clear media are NaN (P17). */
+/* Notes why derivatives with respect to mua are missing (NaN) for clear media that trap light (P17). */
 static void note_trapped(const struct cml_report *report)
 {
     char text[512];
@@ -63,8 +64,8 @@ static void note_trapped(const struct cml_report *report)
     cml_show_note(NULL, text);
 }
 
-/* Writes the files before anything is printed, so that the printed text is true. A run with lost packets or
- * an imbalance is written, too; its status is returned last. */
+/* Writes the files of a run and then prints its summary, so that the printed text is true. A run with lost
+ * packets or an imbalance is written, too; its status is returned last. */
 static cml_status publish(const struct cml_run_call *call, struct cml_report *report,
                           struct cml_record *record, struct cml_error *err)
 {
@@ -121,6 +122,7 @@ static cml_status take_record(const struct cml_run_call *call, const struct cml_
     return cml_report_record_again(call->scene, path, before, record, err);
 }
 
+/* Prints the name of one output file. */
 static cml_status print_path(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     (void)context;
@@ -146,8 +148,8 @@ static bool may_aim(const struct cml_run_setup *setup)
     return !setup->options.tail && !setup->options.windows && strcmp(setup->engine->name, "opencl") != 0;
 }
 
-/* Publishes a run on rank 0. Its checkpoint then says that the run is finished, so that --resume skips it;
- * with --keep the checkpoint also has the tallies, and must be written. */
+/* Writes the result of a run on rank 0, and marks its checkpoint as finished, so that --resume skips the
+ * run. With --keep the checkpoint also keeps the sums, and must be written. */
 static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
                               struct cml_run_result *run, struct cml_record *record, struct cml_error *err)
 {
@@ -197,6 +199,7 @@ struct poor_rows {
 #define LEAST_PACKETS 100
 enum { POOR_A_Z = CML_NUM_GOALS, NUM_POOR };
 
+/* Counts the rows that too few effective packets reached, and keeps the worst of them. */
 static void add_poor(double packets, int row, struct poor_rows *poor)
 {
     if (packets >= LEAST_PACKETS || (poor->count++ > 0 && packets >= poor->packets)) return;
@@ -204,7 +207,8 @@ static void add_poor(double packets, int row, struct poor_rows *poor)
     poor->packets = packets;
 }
 
-/* Adds a row to the poor ones of each total. */
+/* Notes for each total if too few effective packets carry the result of row `row`; `poor` keeps count and
+ * the worst row. */
 static void find_poor(const struct cml_result *flight, const struct cml_result *result, int row,
                       struct poor_rows poor[NUM_POOR])
 {
@@ -215,7 +219,8 @@ static void find_poor(const struct cml_result *flight, const struct cml_result *
         add_poor(cml_effective_packets_by_depth(result), row, &poor[POOR_A_Z]);
 }
 
-/* Shows a note for each quantity that rests on too few packets in some rows. */
+/* Shows a note for each quantity that rests on too few effective packets in some rows, which share a
+ * flight. */
 static void note_poor(const struct cml_run_rows *rows, const struct poor_rows poor[NUM_POOR])
 {
     char text[200];
@@ -285,7 +290,7 @@ struct prepared {
     struct cml_before before; /* files that were there before the run, on rank 0 only */
 };
 
-/* Prints the time and the file of a complete part. */
+/* Ends a complete part on rank 0: removes the older checkpoint, and prints the time and the part's file. */
 static void say_part(const struct cml_run_call *call, const struct cml_run_setup *setup,
                      const struct cml_run_result *run)
 {
@@ -307,7 +312,7 @@ static cml_status join(const struct cml_run_call *call, const struct cml_run_set
     return cml_run_join(setup, call->options->joined, call->only, run, err);
 }
 
-/* Reads and checks the parts of the run, and writes nothing. */
+/* Reads and checks the parts of the run for `merge`, but writes nothing yet. */
 static cml_status look_at_parts(const struct cml_run_call *call, const struct cml_run_setup *setup,
                                 struct cml_error *err)
 {
@@ -354,6 +359,7 @@ bool cml_run_leaves_checkpoints(const struct cml_options *options)
     return options->resume || options->keep || options->parts > 0;
 }
 
+/* Makes the path of the checkpoint of a scene's run. */
 cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,
                               struct cml_error *err)
 {
@@ -362,6 +368,7 @@ cml_status cml_run_checkpoint(const struct cml_options *options, const struct cm
     return cml_checkpoint_of(options, output, path, err);
 }
 
+/* Makes the path of the file that keeps a run's sums: its checkpoint, or the file of its part. */
 cml_status cml_checkpoint_of(const struct cml_options *options, const char *output, char **path,
                              struct cml_error *err)
 {
@@ -376,8 +383,8 @@ static cml_status fail_more(const char *path, const char *what, struct cml_error
     return cml_fail(err, CML_E_INPUT, "--more: %s %s", path, what);
 }
 
-/* Finds on rank 0, from the checkpoint, how many photons --more makes. With --resume, an extension by the
- * same number of photons is the same run, and goes on. */
+/* Finds on rank 0 how many photons the run of --more has, from the checkpoint that it extends. With
+ * --resume, an extension by the same number of photons is the same run, and goes on. */
 static cml_status plan_more(const struct cml_options *options, struct cml_run_setup *setup, const char *path,
                             struct cml_error *err)
 {
@@ -418,7 +425,8 @@ static cml_status plan_more_of(const struct cml_run_call *call, struct cml_run_s
     return plan_more(call->options, setup, path, err);
 }
 
-/* Plans the photons on all ranks, before any step that may fail on one rank alone. */
+/* Decides on all ranks which photons the run flies, before any step that may fail on one rank alone.
+ * Checkpoint, --part and --more have a say. */
 static cml_status plan_photons(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
@@ -447,7 +455,8 @@ static cml_status plan_photons(const struct cml_run_call *call, struct prepared 
 
 /* ---- the whole run ---- */
 
-/* Sets the provenance and the identity of the run, and with --more those of the run that it extends. */
+/* Computes the identity of the run, by which checkpoints and results know it, and with --more that of the
+ * run that it extends. */
 static cml_status identify(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
@@ -466,7 +475,8 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
     return CML_OK;
 }
 
-/* Does all that may fail on one rank alone, before the ranks agree. */
+/* Prepares a run: surfaces, memory, aim, identity, and a look at files that exist. All this may fail on one
+ * rank alone, hence it comes before the ranks agree to fly. */
 static cml_status prepare(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     struct cml_options options = *call->options;
@@ -490,7 +500,8 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     return CML_OK;
 }
 
-/* Returns the setup of a run, as far as the call knows it. */
+/* Returns the setup of a run as far as options and scene decide it. Surfaces, aim and identity are added
+ * when they are known. */
 static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
 {
     const struct cml_options *options = call->options;
@@ -511,7 +522,8 @@ static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml
     return setup;
 }
 
-/* Frees whatever prepare has made, complete or not. No rank may return before all agree. */
+/* Does one run from beginning to end: plans, prepares, flies and publishes. Frees whatever was made,
+ * complete or not. No rank may return before all agree. */
 cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;

@@ -45,7 +45,8 @@ static cml_status resolve(const char *path, char **name, struct cml_error *err)
 
 /* ---- files of a run ---- */
 
-/* Adds a file to the outputs of a run. */
+/* Adds a file to the list of files that the program will write, under its path without links and dots. run:
+ * number of the run in the file. */
 static cml_status add(struct cml_outputs *outputs, const char *path, int run, enum cml_output_kind kind,
                       struct cml_error *err)
 {
@@ -65,7 +66,8 @@ struct adding {
     enum cml_output_kind kind; /* kind of the next file */
 };
 
-/* A cml_report_file_function: the first file of a run is the main result. */
+/* Adds a file that a run will write to the list of outputs. The first file of a run is the main result.
+ * Called for each file by cml_report_each_file. */
 static cml_status add_file(void *context, const struct cml_report_file *file, struct cml_error *err)
 {
     struct adding *adding = context;
@@ -83,6 +85,7 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_options 
     return cml_report_each_file(scene, NULL, &asks, path, add_file, &adding, err);
 }
 
+/* Adds the checkpoint of run number `run` to the files that the program writes. */
 static cml_status add_checkpoint(const struct cml_options *options, struct cml_outputs *outputs,
                                  const char *path, int run, struct cml_error *err)
 {
@@ -121,7 +124,8 @@ static cml_status check_writable(const char *path, const char *suffix, struct cm
     return CML_OK;
 }
 
-/* Refuses, without HDF5, all that only an .h5 file could hold. */
+/* Refuses, in a program without HDF5, every line and option whose results only an .h5 file can hold.
+ * `asked`: lines of the scene, 0 if absent. */
 static cml_status check_format(const struct cml_options *options, const struct cml_scene *scene,
                                struct cml_error *err)
 {
@@ -170,7 +174,7 @@ static bool has_lock(const struct cml_outputs *outputs, const char *path)
     return false;
 }
 
-/* Takes a lock, unless this call has it already. */
+/* Locks the file `path`, unless this process has locked it already for another run. */
 static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct cml_error *err)
 {
     if (has_lock(outputs, path)) return CML_OK;
@@ -192,7 +196,7 @@ static cml_status lock_part(const struct cml_options *options, const char *path,
     return add_lock(outputs, name, err);
 }
 
-/* Locks the stem of a result: STEM.lock. */
+/* Locks all files of a result at once, by the lock file STEM.lock beside them. */
 static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struct cml_error *err)
 {
     CML_FREED char *beside = NULL, *name = NULL;
@@ -202,7 +206,8 @@ static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struc
     return add_lock(outputs, name, err);
 }
 
-/* Locks the files of one run. */
+/* Locks the files of one run for this process: its result, its file of saved packets, or the file of its
+ * part. */
 static cml_status lock_run(const struct cml_options *options, const struct cml_scene *scene,
                            struct cml_outputs *outputs, struct cml_error *err)
 {
@@ -235,7 +240,8 @@ static cml_status check_places(const struct cml_outputs *outputs, size_t first, 
 
 /* ---- would files be destroyed? ---- */
 
-/* True if the path leads to a file of another program. An empty, cut or damaged file may be ours. */
+/* True if a file was written by another program: its first bytes differ from those of every kind of file
+ * that this program writes. An empty, cut or damaged file may be ours. A table (.csv) has no such mark. */
 static bool is_strange(const struct cml_output_file *file)
 {
     static const char *const ours[] = {CML_CHECKPOINT_MAGIC, CML_MCO_FIRST_LINE, "\211HDF\r\n\032\n",
@@ -252,7 +258,8 @@ static bool is_strange(const struct cml_output_file *file)
     return strange || (size > 0 && first > 0 && cml_hdf5_is_foreign(file->name));
 }
 
-/* Refuses to replace a file of other content, which --part and --resume would take for an older state. */
+/* Refuses to replace a file that another program wrote, where --part and --resume would take it for an
+ * earlier state of the run. */
 static cml_status check_strange(const struct cml_options *options, const struct cml_outputs *outputs,
                                 struct cml_error *err)
 {
@@ -268,6 +275,7 @@ static cml_status check_strange(const struct cml_options *options, const struct 
     return CML_OK;
 }
 
+/* Orders files by name and then by run, so that files of one name become neighbours. */
 static int compare_files(const void *a, const void *b)
 {
     const struct cml_output_file *one = a, *other = b;
@@ -275,7 +283,8 @@ static int compare_files(const void *a, const void *b)
     return names != 0 ? names : (one->run > other->run) - (one->run < other->run);
 }
 
-/* Refuses two runs that write the same file. */
+/* Refuses two runs that would write the same file. Files are sorted by name, so equal names are
+ * neighbours. */
 static cml_status check_distinct(const struct cml_outputs *outputs, const struct cml_scene_list *list,
                                  struct cml_error *err)
 {
@@ -291,6 +300,7 @@ static cml_status check_distinct(const struct cml_outputs *outputs, const struct
     return CML_OK;
 }
 
+/* Refuses a run whose result would overwrite one of the files that it reads. */
 static cml_status fail_input(const struct cml_options *options, const struct cml_scene *scene,
                              const char *input, struct cml_error *err)
 {
@@ -303,7 +313,8 @@ static cml_status fail_input(const struct cml_options *options, const struct cml
                     scene->file, scene->line, scene->output, input);
 }
 
-/* Refuses an output that would overwrite an input. */
+/* Refuses a result that would overwrite one of the files that were read. "-" is standard input, which nobody
+ * can overwrite. */
 static cml_status check_inputs(const struct cml_options *options, const struct cml_outputs *outputs,
                                const struct cml_scene_list *list, const struct cml_inputs *inputs,
                                struct cml_error *err)
@@ -328,37 +339,42 @@ static bool is_table(const struct cml_scene *scene)
     return cml_file_ends_in(scene->output, ".sweep.csv") || cml_file_ends_in(scene->output, ".sweep.h5");
 }
 
-/* True if an existing result may stay: --resume finds its run finished, or the result may prove to be of this
- * run. The latter shows only when the identity of the run is known (before.h). */
-static bool stays(const struct cml_options *options, const struct cml_scene *scene)
+/* True if an existing result may stay. With --resume it stays if its checkpoint says that the run is
+ * finished. Without a checkpoint it may stay, too: once the run's identity is known, cml_before_look decides
+ * whether the result belongs to the run. */
+static bool result_stays(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_error ignored;
     char *path = NULL;
-    bool may = false;
+    bool stays = false;
     if (options->resume && cml_run_checkpoint(options, scene, &path, &ignored) == CML_OK) {
         const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
-        may = kind == CML_CHECKPOINT_FINISHED || (kind == CML_CHECKPOINT_NONE && !options->sweep);
+        stays = kind == CML_CHECKPOINT_FINISHED || (kind == CML_CHECKPOINT_NONE && !options->sweep);
     }
     free(path);
-    return may;
+    return stays;
 }
 
-/* True if all rows of a sweep stay: its tables are then written again, unchanged. */
+/* True if the results of all rows of a sweep stay. The tables of the sweep are then written again with the
+ * same content. */
 static bool all_stay(const struct cml_options *options, const struct cml_scene_list *list)
 {
     int run = 0;
-    while (run < list->count && (is_table(&list->scenes[run]) || stays(options, &list->scenes[run]))) run++;
+    while (run < list->count && (is_table(&list->scenes[run]) || result_stays(options, &list->scenes[run])))
+        run++;
     return run == list->count;
 }
 
+/* True if an existing result of run number `run` may stay as it is. The table of a sweep stays only if all
+ * rows do. */
 static bool may_stay(const struct cml_options *options, const struct cml_scene_list *list, int run)
 {
     const struct cml_scene *scene = &list->scenes[run];
     if (options->more > 0) return true;
-    return options->sweep && is_table(scene) ? all_stay(options, list) : stays(options, scene);
+    return options->sweep && is_table(scene) ? all_stay(options, list) : result_stays(options, scene);
 }
 
-/* Refuses with --no-clobber to replace files that exist. */
+/* Refuses, with --no-clobber, to replace a file that exists, unless the file may stay as it is. */
 static cml_status check_clobber(const struct cml_options *options, const struct cml_scene_list *list,
                                 const struct cml_outputs *outputs, struct cml_error *err)
 {
@@ -440,6 +456,8 @@ static cml_status claim_run(const struct cml_options *options, const struct cml_
     return device ? CML_OK : add_checkpoint(options, outputs, path, run, err);
 }
 
+/* Checks and locks the files of all runs: distinct names, no input overwritten, no foreign file or kept
+ * result in the way. Only the first num_locks runs are locked. */
 static cml_status claim_all(const struct cml_options *options, const struct cml_scene_list *list,
                             int num_locks, const struct cml_inputs *inputs, struct cml_outputs *outputs,
                             struct cml_error *err)
@@ -455,6 +473,8 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
     return CML_OK;
 }
 
+/* Claims the files of all runs before the first one flies, so that no result is lost for a bad name hours
+ * later. */
 cml_status cml_outputs_claim(const struct cml_options *options, const struct cml_scene_list *list,
                              int num_locks, const struct cml_inputs *inputs,
                              void (*note)(void *context, const char *text), struct cml_outputs *outputs,
@@ -472,6 +492,8 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     return status;
 }
 
+/* Releases the locks of all runs. A folder that was made for the results goes too if it stayed empty: rmdir
+ * refuses others. */
 void cml_outputs_release(struct cml_outputs *outputs)
 {
     for (size_t i = 0; i < outputs->num_locks; i++) cml_file_lock_release(&outputs->lock[i]);

@@ -27,15 +27,16 @@ static double seconds_left(const struct cml_progress *p)
     return p->seconds * (double)(p->total - p->done) / (double)p->done;
 }
 
+/* Returns the number of letters in a line of the terminal; a usual number if it is not known. */
 static int terminal_width(void)
 {
     struct winsize size;
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : USUAL_WIDTH;
 }
 
-/* Draws the bar over the last one, and clears it at the end, because results follow. One column stays free,
- * because some terminals go to the next line behind the last. If the line is too long, the bar is left out
- * first, then the speed. */
+/* Draws the progress bar over the last one, and clears it at the end, because results follow. One column
+ * stays free, since some terminals go to the next line behind the last. If the line is too long, the bar is
+ * left out first, then the speed. */
 static void draw_bar(const struct cml_progress *p)
 {
     char elapsed[16], left[16], text[96], bar[LONGEST_BAR + 4] = "";

@@ -44,9 +44,9 @@ static int row_of_checkpoint(const struct cml_sweep_run *sweep, int row)
     return first;
 }
 
-/* Looks at the existing result of a row, for --resume. Without a checkpoint the row is flown again: the sweep
- * that left the result had no --resume. A result with more photons than the row is kept, and ends the sweep;
- * with --target-error the photons are not known before, so nothing is refused. */
+/* Looks at the existing result of a row, for --resume. Without a checkpoint the row is flown again. A result
+ * with more photons than the row ends the sweep, so that no work is lost; with --target-error the photons
+ * are not known before. */
 static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const struct cml_scene *scene,
                                  struct cml_error *err)
 {
@@ -123,7 +123,7 @@ static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, s
     return status;
 }
 
-/* Checks all rows and claims the outputs, on rank 0. */
+/* Checks all rows of the sweep and their flights on rank 0, and claims the files that they will write. */
 static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     struct cml_engine_options ignored = sweep->options->engine_options;
@@ -143,7 +143,7 @@ static cml_status identify(struct cml_sweep_run *sweep, struct cml_error *err)
     return cml_identity_inputs(&files, &sweep->identity, err);
 }
 
-/* True if a column before this one has the same name in the .h5. */
+/* True if an earlier column of the sweep's table would have the same name in the .h5. */
 static bool is_taken(const struct cml_sweep_table *table, int column, const char *name)
 {
     char other[CML_SETTING_NAME];
@@ -178,6 +178,8 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
 
 /* ---- columns that are set, and labels ---- */
 
+/* Refuses a quoted column name (a label) that is the name of a setting, because the user probably meant to
+ * set the value. */
 static cml_status fail_label(const struct cml_sweep_table *table, int column, struct cml_error *err)
 {
     char field[32];
@@ -267,7 +269,7 @@ static int medium_of(const struct cml_sweep_table *table, int column, const stru
     return cml_body_medium(scene, body - 1);
 }
 
-/* Returns the column that sets mus of a medium; -1: none. */
+/* Returns the column that sets the scattering of a medium (its name ends in .mus), or -1. */
 static int scattering_column(const struct cml_sweep_table *table, int medium, const struct cml_scene *scene)
 {
     for (int c = 0; c < table->num_columns; c++) {
@@ -277,7 +279,8 @@ static int scattering_column(const struct cml_sweep_table *table, int medium, co
     return -1;
 }
 
-/* Finds the rows that may share a flight. */
+/* Finds which rows of a sweep may share a flight: those that differ only in absorption. For each column,
+ * tells cml_sweep_group which medium it belongs to and which column sets the medium's scattering. */
 static cml_status group_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_sweep_table *table = &sweep->table;
@@ -321,7 +324,7 @@ static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
     return options->reweight ? group_rows(sweep, err) : CML_OK;
 }
 
-/* Reads the table and checks all rows. */
+/* Prepares a sweep: table, identity, the surfaces that rows share, and a check of all rows. */
 static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;
@@ -336,7 +339,8 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 
 /* ---- flying ---- */
 
-/* A cml_sweep_fly_function: flies and publishes one row. */
+/* Flies one row of a sweep and writes its result. It is the cml_sweep_fly_function of cml_sweep_rows_fly;
+ * `context` is the sweep. */
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
     struct cml_sweep_run *sweep = context;
@@ -363,7 +367,8 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
     return status;
 }
 
-/* For `merge`: reads the parts of all rows before the first result is written. */
+/* Reads the parts of all rows for `merge` before the first result is written, so that a missing part spoils
+ * nothing. */
 static cml_status look_at_parts(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     struct cml_part_files *files = sweep->options->joined;
@@ -379,6 +384,7 @@ static cml_status look_at_parts(struct cml_sweep_run *sweep, struct cml_error *e
 
 /* ---- results of the sweep ---- */
 
+/* Writes the results of all rows as .csv and, if the program has HDF5, as .h5. */
 static cml_status write_tables(const struct cml_sweep_run *sweep, const struct cml_sweep_results *results,
                                struct cml_error *err)
 {
@@ -394,7 +400,7 @@ static cml_status write_tables(const struct cml_sweep_run *sweep, const struct c
     return CML_OK;
 }
 
-/* Writes the tables of the sweep, on rank 0. */
+/* Writes the tables of a finished sweep on rank 0, with the names of files and the seeds of all rows. */
 static cml_status publish(const struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_scene *base = &sweep->base->scenes[0];
@@ -462,6 +468,7 @@ static cml_status finish(const struct cml_sweep_run *sweep, cml_status flown, st
     return flown;
 }
 
+/* Prints how many rows a sweep has, and in how many flights they are flown. */
 static void announce(const struct cml_sweep_run *sweep)
 {
     printf("clustermcml %s, %d rank%s: %d row%s of %s", cml_version(), cml_cluster_size(),
@@ -482,6 +489,8 @@ static void note_replaced(const struct cml_sweep_run *sweep)
     free(csv);
 }
 
+/* Notes that some rows have results but no checkpoint, so that --resume begins them again and replaces the
+ * results. */
 static void note_anew(const struct cml_sweep_run *sweep)
 {
     char text[CML_REPLACED + 200];
@@ -512,6 +521,7 @@ static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
     return cml_cluster_agree(status, err);
 }
 
+/* Frees a sweep and releases its files. */
 static void clear_sweep(struct cml_sweep_run *sweep)
 {
     cml_sweep_rows_clear(&sweep->rows);
@@ -522,6 +532,7 @@ static void clear_sweep(struct cml_sweep_run *sweep)
     free(sweep->group);
 }
 
+/* Runs all rows of a --sweep. Every row is checked before the first one flies. */
 cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
                      struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -533,6 +544,8 @@ cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_l
     return status;
 }
 
+/* Checks all rows of a sweep without flying, and returns how many rows and flights there are. *largest:
+ * options of the flight that needs most memory. */
 cml_status cml_sweep_check(const struct cml_options *options, const struct cml_scene_list *list,
                            struct cml_inputs *inputs, struct cml_sweep_size *size,
                            struct cml_engine_options *largest, struct cml_error *err)

@@ -12,19 +12,26 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Refuses options that --reweight cannot be combined with: rows of one flight share photons, so rows cannot
+ * end or continue by themselves. */
 cml_status cml_sweep_check_options(const struct cml_options *options, struct cml_error *err)
 {
-    const char *beside = options->keep                ? "--keep or --more"
-                         : options->target_error > 0  ? "--target-error"
-                         : options->aim               ? "--aim"
-                         : options->engine->reweights ? NULL
-                                                      : "--engine opencl";
+    const struct {
+        bool given;
+        const char *name;
+    } excluded[] = {{options->keep, "--keep or --more"},
+                    {options->target_error > 0, "--target-error"},
+                    {options->aim, "--aim"},
+                    {!options->engine->reweights, "--engine opencl"}};
     if (!options->reweight) return CML_OK;
     if (!options->sweep) return cml_fail(err, CML_E_INPUT, "--reweight (expected --sweep beside it)");
-    if (!beside) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "--reweight (expected no %s beside it)", beside);
+    for (size_t i = 0; i < sizeof excluded / sizeof *excluded; i++)
+        if (excluded[i].given)
+            return cml_fail(err, CML_E_INPUT, "--reweight (expected no %s beside it)", excluded[i].name);
+    return CML_OK;
 }
 
+/* Refuses --reweight for a scene that asks for large arrays, which would be needed once for each row. */
 cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_error *err)
 {
     const char *has = scene->fluence.line > 0 ? "fluence"
@@ -54,6 +61,8 @@ struct group {
     char *identity;
 };
 
+/* Frees the rows that share one flight. `own`: scenes of the rows; `flown`: the scene that is flown for
+ * all. */
 static void clear_group(struct group *group)
 {
     for (int i = 0; group->own && i < group->count; i++) cml_scene_clear(&group->own[i]);
@@ -141,6 +150,8 @@ static cml_status identify_group(const struct cml_sweep_run *sweep, struct group
     return cml_text_end(out, &group->identity, &size, "the run's identity", err);
 }
 
+/* Finds the rows of flight `number`, reads their scenes and computes their identity. The seed is that of the
+ * first row. */
 static cml_status prepare_group(const struct cml_sweep_run *sweep, int number, struct group *group,
                                 uint64_t *seed, struct cml_error *err)
 {
@@ -150,7 +161,7 @@ static cml_status prepare_group(const struct cml_sweep_run *sweep, int number, s
     return sweep->identity ? identify_group(sweep, group, err) : CML_OK; /* `check` needs no identity */
 }
 
-/* Moves the records of a group into those of the sweep. */
+/* Moves the records of a flown group to the sweep, and prints a line for each of its rows. */
 static void take_records(struct cml_sweep_run *sweep, const struct group *group)
 {
     for (int i = 0; i < group->count; i++) {
@@ -218,6 +229,8 @@ static struct cml_engine_options options_of(const struct cml_sweep_run *sweep, c
     return options;
 }
 
+/* Checks that every flight of a sweep fits the memory. *largest becomes the options of the flight that needs
+ * most. */
 cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_engine_options *largest,
                                   struct cml_error *err)
 {
@@ -241,7 +254,8 @@ cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_
     return status;
 }
 
-/* Flies a group of rows and publishes them. */
+/* Flies group `number` of rows, which share one flight, and writes a result for each row. `looks`: `merge`
+ * only checks which parts belong to the run, so there are no records. */
 static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_error *err)
 {
     struct cml_options options = *sweep->options;
@@ -269,6 +283,8 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
     return status;
 }
 
+/* Flies the groups of rows one after the other. An imbalance of weights (CML_E_NUMERIC) does not stop the
+ * sweep; any other failure does. */
 cml_status cml_sweep_fly_groups(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     cml_status worst = CML_OK;

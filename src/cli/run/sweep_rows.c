@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Allocates the records of `count` rows, none of which is done yet. */
 cml_status cml_sweep_rows_create(int count, struct cml_sweep_rows *rows, struct cml_error *err)
 {
     *rows = (struct cml_sweep_rows){.count = count};
@@ -38,6 +39,7 @@ static cml_status fly_one(struct cml_sweep_rows *rows, int row, cml_sweep_fly_fu
     return rows->done[row] ? CML_OK : status;
 }
 
+/* Prints the JSON record of a row on rank 0, and frees it on all ranks. */
 static void print_json(struct cml_record *record, bool json)
 {
     if (json && record->json && cml_cluster_rank() == 0) fputs(record->json, stdout);
@@ -51,7 +53,7 @@ void cml_sweep_rows_print(struct cml_sweep_rows *rows, bool json)
     for (int row = 0; row < rows->count; row++) print_json(&rows->record[row], json);
 }
 
-/* Flies row after row, each on all ranks. */
+/* Flies the rows one after the other, each on all ranks. json: prints each row's record at once. */
 static cml_status fly_together(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                                void *context, struct cml_error *err)
 {
@@ -82,7 +84,7 @@ static int hand_out(struct row_queue *queue)
     return row < queue->count ? row : -1;
 }
 
-/* A cml_cluster_handler: gives the next row to another rank. */
+/* Gives the next row to another rank that asks for one. It is the cml_cluster_handler of rank 0. */
 static void reply_to(void *context, int rank, const struct cml_work_request *request,
                      struct cml_work_reply *reply)
 {
@@ -92,7 +94,7 @@ static void reply_to(void *context, int rank, const struct cml_work_request *req
     reply->count = row >= 0;
 }
 
-/* Takes the next row for a rank; *row is -1 when there are no more. */
+/* Gives a rank its next row to fly; *row is -1 when there are no more. */
 static cml_status take_row(struct row_queue *queue, int rank, int *row, struct cml_error *err)
 {
     const struct cml_work_request request = {1, 0};
@@ -131,7 +133,7 @@ struct row_report {
     struct cml_record record;
 };
 
-/* Fills a report for every row, flown here or not. */
+/* Fills this rank's report about every row: whether it was flown here, and its record without the text. */
 static void fill_reports(const struct cml_sweep_rows *rows, struct row_report *mine)
 {
     for (int i = 0; i < rows->count; i++) {
@@ -149,7 +151,7 @@ static size_t json_total(const struct row_report *report, int count)
     return total;
 }
 
-/* Joins the JSON objects of this rank's rows. */
+/* Joins the JSON records of the rows that this rank has flown into one text. */
 static void join_json(const struct cml_sweep_rows *rows, char *text)
 {
     for (int i = 0; i < rows->count; i++) {
@@ -176,7 +178,8 @@ static void print_all(const struct cml_sweep_rows *rows, const struct row_report
     fflush(stdout);
 }
 
-/* Gathers the JSON objects of all ranks on rank 0, and prints them. */
+/* Collects the JSON records of all rows on rank 0 and prints them in the order of rows. All ranks send texts
+ * of equal size, that of the longest. */
 static cml_status gather_json(const struct cml_sweep_rows *rows, const struct row_report *all,
                               struct cml_error *err)
 {
@@ -235,7 +238,7 @@ static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_erro
     return status;
 }
 
-/* Flies rows that ranks share: each takes the next when it has finished one. */
+/* Flies rows on all ranks at once, each rank another row: it takes the next one when it has finished one. */
 static cml_status fly_shared(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                              void *context, struct cml_error *err)
 {
@@ -251,6 +254,8 @@ static cml_status fly_shared(struct cml_sweep_rows *rows, bool json, cml_sweep_f
     return cml_cluster_agree(flown, err);
 }
 
+/* Flies all rows: with more rows than ranks each rank flies rows by itself, otherwise all ranks share each
+ * row. */
 cml_status cml_sweep_rows_fly(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                               void *context, struct cml_error *err)
 {

@@ -35,8 +35,9 @@ static void cml_regions_begin(const struct cml_world *world, struct cml_regions 
     for (int i = 0; i < CML_LANES; i++) regions->medium[i] = -1;
 }
 
-/* Finds lanes whose path does not lie in their region, also those whose path is not a number: out[CML_LANES]
- * 1. */
+/* Finds lanes whose path does not lie in the region that is known to be free of bodies: out[i] = 1. Each
+ * lane has a region: the common part of a ball and a half-space. Lanes whose path is not a number count as
+ * outside. */
 CML_LOOP void cml_bundle_leave_regions(const struct cml_bundle *b, const struct cml_regions *r, int *out)
 {
     const int lanes = b->lanes;
@@ -58,7 +59,8 @@ CML_LOOP void cml_bundle_leave_regions(const struct cml_bundle *b, const struct 
     }
 }
 
-/* Returns the mask of the lanes that may leave their region. */
+/* Returns the mask of lanes whose path may leave the region that is known to be free of bodies, and which
+ * must therefore search. */
 static uint64_t cml_lanes_out_of_regions(const struct cml_flight *f)
 {
     _Alignas(64) int out[CML_LANES];
@@ -69,8 +71,8 @@ static uint64_t cml_lanes_out_of_regions(const struct cml_flight *f)
     return lanes;
 }
 
-/* Returns 0 if the lane's path meets no body; then the lane gets the region in which its path ends. Else
- * returns enum cml_bodies_ahead. */
+/* Returns CML_NO_BODIES if the path of lane i meets no body; the lane then remembers the free region in
+ * which its path ends, so that next steps need no search. Otherwise returns another enum cml_bodies_ahead. */
 static int cml_lane_may_hit_body(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;

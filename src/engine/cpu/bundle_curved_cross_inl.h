@@ -65,9 +65,9 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
     cml_push_termination(f, i, end);
 }
 
-/* cml_boundary_event for the k-th of the hits, whose direction behind the boundary is known: into medium
- * `other` if it went through, else back into its own. undeflected: indices are equal, so all packets go
- * through (P5) and draw nothing. */
+/* Does a boundary event for the k-th of the gathered hits, as cml_boundary_event does. The new direction is
+ * known; the packet goes into medium `other` if it went through, otherwise it stays in its own. undeflected:
+ * the indices are equal, so all packets go through (P5) and draw nothing. */
 static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits *h, int k, int boundary,
                                     int other, int undeflected)
 {

@@ -39,9 +39,9 @@ static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct 
     return cml_ring_newton(ring, &ray, t0, t1, first, half_root_gap, root);
 }
 
-/* Finds where packets meet their ring, as cml_intersect_field does for packets other than those of the beam
- * itself. Fills t, normals and doubtful (the root must be searched for, or it is the tip), and moves x, y, z
- * there. */
+/* Finds for all gathered hits where packets meet the cone of their ring, in one vector loop. Sets t, normals
+ * and the place. A hit is doubtful, and done again alone, if the root must be searched for or lies at the
+ * tip. */
 CML_LOOP void cml_hits_refine_rings(const struct cml_world *world, real side, struct cml_hits *h)
 {
     const int size = cml_whole_vectors(h->count);

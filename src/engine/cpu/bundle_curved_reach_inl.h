@@ -110,8 +110,8 @@ static void cml_gather_lanes(const struct cml_bundle *b, uint64_t lanes, struct 
     gathered->size = cml_whole_vectors(at);
 }
 
-/* cml_surface_interval of a plane, for gathered lanes. depth: of the plane in the frame of the medium; side:
- * +1 the lanes are below it, -1 above. */
+/* Finds on which part of their paths gathered lanes can meet a plane, as cml_surface_interval does. depth:
+ * of the plane in the frame of the medium; side: +1 the lanes are below it, -1 above. */
 CML_LOOP void cml_gathered_plane(const struct cml_gathered *c, real depth, real side,
                                  struct cml_intervals *ahead)
 {
@@ -125,9 +125,10 @@ CML_LOOP void cml_gathered_plane(const struct cml_gathered *c, real depth, real 
     }
 }
 
-/* cml_curved_interval for gathered lanes, without its branches: both ways of every branch are computed and
- * selected, with the same results. depth: of the boundary's frame in that of the medium; side: +1 the lanes
- * are below it, -1 above. form: constant, so that each caller has a loop for its kind of pyramid. */
+/* Finds on which part of their paths gathered lanes can meet a curved boundary, as cml_curved_interval does,
+ * but without branches: both ways of every branch are computed, and one is selected. depth: of the
+ * boundary's frame in that of the medium; side: +1 the lanes are below, -1 above. form: constant, so that
+ * each kind of pyramid has its own loop. */
 __attribute__((always_inline)) static inline void
 cml_gathered_curved(const struct cml_world *world, const struct cml_surface *shared,
                     const struct cml_gathered *c, real depth, real side, struct cml_intervals *ahead,
@@ -190,7 +191,8 @@ static void cml_gathered_boundary(const struct cml_flight *f, int boundary, real
         cml_gathered_by_form(world, surface, f->gathered, depth, side, ahead);
 }
 
-/* cml_find_intervals for lanes of one medium: first with the boundary above, then with the one below. */
+/* Finds for lanes of one medium on which parts of their paths they can meet the boundary above, and the one
+ * below. */
 static void cml_gather_intervals(const struct cml_flight *f, int medium, uint64_t lanes)
 {
     struct cml_gathered *gathered = f->gathered;

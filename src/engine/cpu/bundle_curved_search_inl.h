@@ -52,8 +52,8 @@ static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct 
     return k;
 }
 
-/* Finds the ring that lane i meets: cml_intersect_field up to the bracketed root. The number of steps from
- * ring to ring differs by lane, so this goes lane by lane. A vector loop finds the root within the ring
+/* Finds the ring of a radial heightfield that lane i meets, from ring to ring. Lanes take different numbers
+ * of steps, so this goes lane by lane; a vector loop then finds the place within the ring
  * (cml_hits_refine_rings). p: in the boundary's frame; s: the part of the path to search. */
 static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side,
                            struct cml_interval s, struct cml_hits *h)
@@ -89,7 +89,8 @@ static int cml_has_shading_normal(const struct cml_hit *hit)
     return hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
 }
 
-/* Finds the facet that lane i meets. p: in the boundary's frame; t_max: length of its path, cm. */
+/* Asks the mesh of a boundary for the facet that lane i meets, and adds the hit to the gathered ones. p: in
+ * the boundary's frame; t_max: length of its path, cm. */
 static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side, real t_max,
                            struct cml_hits *h)
 {
@@ -147,7 +148,8 @@ static struct cml_grid_view cml_view_grid(const struct cml_world *world, int bou
     return view;
 }
 
-/* Gathers the rays of the lanes that ask a mesh: bit k of `asking` is the k-th gathered lane. */
+/* Collects the rays of lanes that ask a mesh for a hit, for the vector search. Bit k of `asking` stands for
+ * the k-th gathered lane. */
 static void cml_gather_rays(struct cml_gathered *c, real depth, uint64_t asking,
                             const struct cml_intervals *ahead)
 {
@@ -214,8 +216,8 @@ static void cml_continue_gathered(struct cml_flight *f, int i, int k)
     cml_continue_lane(f, i, intervals, b->s[i]);
 }
 
-/* Does all steps for lanes of one medium: intervals, then the search, many lanes at a time or lane by lane,
- * then the hits of both boundaries. */
+/* Finds and handles the boundary hits of all lanes of one medium: first the parts of their paths that can
+ * meet a boundary, then the hits, many lanes at a time or lane by lane, then the new directions. */
 static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t lanes)
 {
     struct cml_gathered *gathered = f->gathered;
@@ -263,10 +265,8 @@ static void cml_check_horizon(struct cml_flight *f, int i)
     b->task[i] = cml_heads_away(horizon, u, side) ? CML_LANE_INTERACT : CML_LANE_MAY_HIT_CURVED;
 }
 
-/* Processes lanes that may hit a curved boundary. They wait for others, as lanes at planes do
- * (cml_process_planes), because the vector loops take as long for few lanes. Then media are processed one by
- * one, that of the lowest lane first. Lanes of a pencil beam above a boundary whose hit is known need no
- * search. */
+/* Processes lanes that may hit a curved boundary, once 32 of them wait, because vector loops take as long
+ * for few lanes. Goes medium by medium. Lanes of a pencil beam whose first hit is known need no search. */
 static void cml_process_curved(struct cml_flight *f)
 {
     const int limit = f->b->lanes == CML_LANES ? 32 : 1;

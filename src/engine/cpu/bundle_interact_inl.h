@@ -6,11 +6,10 @@
 
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* Moves lanes with INTERACT to their interaction (P2), and absorbs there (P3). tally: 1 if deposits go into
- * A_rz; then cell (P7) and dw are filled, dw with 0 in the other lanes, so that all can be added without a
- * branch. trails: 1 if lanes have trails (P13); a lane that does not move counts its place again, which
- * changes nothing. Both are constant, so that there is a loop for each case. Returns 1 if a packet is below
- * the roulette threshold. */
+/* Moves all lanes that interact to their interaction (P2) and absorbs a part of their weight there (P3).
+ * tally: 1 fills each lane's cell (P7) and deposit dw, 0 in lanes that do not interact, so that all can be
+ * added without a branch. trails: 1 updates the packets' records of their paths (P13). Both are constant, so
+ * that each case has its own loop. Returns 1 if a packet is below the roulette's threshold. */
 __attribute__((always_inline)) static inline int cml_bundle_move_and_absorb(const struct cml_setup *shared,
                                                                             struct cml_bundle *b,
                                                                             const int tally, const int trails)
@@ -131,8 +130,8 @@ CML_LOOP void cml_bundle_turn_by_tables(const struct cml_phase_cell *cell, struc
         trails ? cml_bundle_turn(cell, b, 0, 1) : cml_bundle_turn(cell, b, 0, 0);
 }
 
-/* Finds lanes that have interacted and are outside of their windows (P19): outside[CML_LANES] 1. Returns 1 if
- * there is any. */
+/* Finds lanes that have interacted and whose weight lies outside of the weight window at their place (P19):
+ * outside[i] = 1. Returns 1 if there is any. */
 CML_LOOP int cml_bundle_find_outside(const struct cml_world *world, const struct cml_bundle *b, int *outside)
 {
     const struct cml_weight_windows windows = world->windows;
@@ -187,7 +186,8 @@ CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle
     return low;
 }
 
-/* cml_bundle_interact for lanes with trails (P13). */
+/* Does what cml_bundle_interact does, for lanes whose packets record the depths and lengths of their paths
+ * (trails, P13). */
 CML_LOOP int cml_bundle_interact_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_move_and_absorb(setup, b, 1, 1);
@@ -195,7 +195,7 @@ CML_LOOP int cml_bundle_interact_along_trails(const struct cml_setup *setup, str
     return low;
 }
 
-/* cml_bundle_scatter for lanes with trails (P13). */
+/* Does what cml_bundle_scatter does, for lanes whose packets record their paths (trails, P13). */
 CML_LOOP int cml_bundle_scatter_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int low = cml_bundle_move_and_absorb(setup, b, 0, 1);

@@ -20,7 +20,8 @@ static int cml_first_hit_is_known(const struct cml_flight *f, int medium, cml_u3
     return f->first_hit_known && medium == 0 && boundary_events == 0;
 }
 
-/* cml_nearest_hit, but without a search if the hit is known. */
+/* Finds the packet's first crossing with a boundary, as cml_nearest_hit does; 0: there is none. Nothing is
+ * searched if the hit is known, because all packets of a pencil beam begin alike. */
 static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet,
                         struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {
@@ -33,10 +34,10 @@ static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet,
     return found;
 }
 
-/* Handles boundary events of one packet by kernels/walk.h: one event, and as many more as it takes until the
- * packet is back in the material or has ended, because lanes hold packets of outer media only before they
- * have entered. intervals: the parts of its path on which it can meet boundaries. Returns 0 if there was no
- * event; then the packet interacts, *t (cm) further on. */
+/* Handles the next boundary event of one packet by the scalar functions of kernels/walk.h. Goes on while the
+ * packet is outside of all layers, because lanes hold no packets there. intervals: the parts of its path
+ * that can meet boundaries. Returns 0 if there was no event; the packet then interacts, *t (cm) further
+ * on. */
 static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *packet,
                                struct cml_boundary_intervals intervals, real *t)
 {
@@ -60,7 +61,8 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
     }
 }
 
-/* Makes kernels/walk.h add the expected values of the lane's packet to its batch (P15). */
+/* Makes the scalar walk add expected values of lane i's packet to the batch that the packet belongs to
+ * (P15). */
 static void cml_expect_of_lane(struct cml_flight *f, int i)
 {
     if (f->to.expected)
@@ -122,9 +124,8 @@ static void cml_lane_misses(struct cml_flight *f, int i)
         cml_lane_set_interacting(f, i, b->s[i]);
 }
 
-/* Does one step of kernels/walk.h for the lane, but not the interaction itself, which the loops make. The
- * lane's packet may meet a boundary within `intervals`, or has no interaction ahead (P9), or is not a
- * number. */
+/* Does one step for lane i as the scalar walk does, except for the interaction itself, which the vector
+ * loops make: a boundary event, an exit, or the path to the interaction. */
 static void cml_intersect_or_interact(struct cml_flight *f, int i, struct cml_boundary_intervals intervals)
 {
     real t;

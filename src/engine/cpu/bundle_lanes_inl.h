@@ -244,8 +244,8 @@ static int cml_lane_rows_have_returned(const struct cml_flight *f, int i)
     return cml_rows_have_returned(f->world, &rows, &trail);
 }
 
-/* Stores in lane i the members that boundary events of kernels/walk.h can change. If the medium changes, the
- * deposits in the old one are booked first. */
+/* Stores a packet back into lane i after boundary events of the scalar walk. Deposits in the old medium are
+ * added to the sums before the medium changes, and so is a loss in the backing. */
 static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packet *packet)
 {
     struct cml_bundle *b = f->b;
@@ -294,8 +294,8 @@ static void cml_store_near_boundary(struct cml_bundle *b, int i, const struct cm
     b->on_primitive[i] = CML_NEAR_FACETS;
 }
 
-/* Adds a late packet that has ended to the totals and profiles of its batch (tally.h). i: its lane; at: its
- * entry in the collection. */
+/* Adds a packet that has ended after its batch was closed to the profiles of that batch (tally.h). i: its
+ * lane; at: its entry among the collected ends. */
 static void cml_end_late(const struct cml_flight *f, int i, int at, const struct cml_trail *trail)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -321,9 +321,9 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
     if (setup->gates.count) row[(up ? begin->Rd_t : begin->Tt_t) + (size_t)exit.gate] += w;
 }
 
-/* Ends the lane's packet. end: all about its end but the weight that it has absorbed. The function is
- * inlined, so that `end` goes from lane to collection in registers: built in memory, it would be stored in
- * parts and loaded whole, which stalls. */
+/* Ends the packet of lane i: its deposits and rows are completed, and `end` joins the collected ends, which
+ * a vector loop scores later. Inlined, so that `end` stays in registers: built in memory, it would be stored
+ * in parts and loaded whole, which stalls. */
 __attribute__((always_inline)) static inline void cml_push_termination(struct cml_flight *f, int i,
                                                                        struct cml_termination end)
 {
@@ -342,7 +342,8 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     f->ended |= CML_LANE_BIT(i);
 }
 
-/* Ends the lane's packet where it is; lost, if there is a cause (P9). */
+/* Ends the packet of lane i at its present place. `cause` says why a lost packet was given up (P9). The end
+ * is collected with others and scored later. */
 static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum cml_lost_cause cause)
 {
     const struct cml_bundle *b = f->b;

@@ -40,9 +40,9 @@ static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct
             queue->tau[i] = cml_optical_depth(stream, next + CML_NUM_BATCHES * (uint64_t)i, 0, 0);
 }
 
-/* Counts the ballistic packets among the first `count` of the queue and drops them. All of them end alike, so
- * one end times their number is booked with their batch (cml_end_batch). The others close up; returns their
- * number. */
+/* Counts ballistic packets (that pass the first medium without an interaction) among the first `count` of
+ * the queue, and drops them: all end alike, so one end times their number is added with their batch. Returns
+ * the number of packets left. */
 static int cml_count_ballistic(struct cml_flight *f, int count)
 {
     struct cml_launch_queue *queue = &f->queue;
@@ -110,8 +110,8 @@ static int cml_take_photons(struct cml_flight *f)
     return 1;
 }
 
-/* Fills the queue if it is empty, from the range in hand or the next one. Returns 0 if there are no more
- * packets. */
+/* Fills the queue of photons to launch if it is empty, with draws, places and entry into the first layer.
+ * Returns 0 if there are no more photons. */
 static int cml_fill_queue(struct cml_flight *f)
 {
     struct cml_launch_queue *queue = &f->queue;
@@ -181,7 +181,8 @@ static void cml_place_lane(struct cml_flight *f, int i)
     f->b->mark[i] = start->mark;
 }
 
-/* Begins the trail of a lane that holds a new packet (P13). */
+/* Begins the record of a new packet's path (trail, P13) in lane i: lengths and momentum 0, and the depth of
+ * the start. */
 static void cml_begin_lane_trail(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -262,7 +263,8 @@ static cml_u32 cml_lanes_transmitted_first(const struct cml_launch_queue *queue,
     return cml_group_equal(through, 1);
 }
 
-/* Gives the lanes of a group their words of the lattice. */
+/* Gives new packets in a group of lanes their evenly spread words of the lattice, which replace random
+ * ones. */
 static void cml_launch_lattice(struct cml_flight *f, int first, cml_u32 lanes)
 {
     const struct cml_launch_queue *queue = &f->queue;
@@ -271,8 +273,9 @@ static void cml_launch_lattice(struct cml_flight *f, int first, cml_u32 lanes)
     cml_bundle_launch_lattice(f->b, reversed, queue->shifts, first, lanes);
 }
 
-/* Gives packets of the queue, from entry `at` on, their places and directions (P1). The depth of the start is
- * the same for all. */
+/* Moves the places and directions of launched packets (P1) from the queue, where entry `at` is the next one,
+ * into those lanes of a group that are free: the bits of `lanes`. first: the group's first lane. All start
+ * at the same depth. */
 static void cml_launch_placed(struct cml_flight *f, int at, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;
@@ -311,8 +314,8 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     if (b->stay) cml_for_lanes(f, (uint64_t)lanes << first, cml_begin_lane_trail);
 }
 
-/* Launches the branch that came last to the stack into a lane (P19). It stands on a surface only as a packet
- * within rounding of a mesh does. */
+/* Launches the branch that was split off last into lane i (P19). A branch of a batch that is closed counts
+ * as late. */
 static void cml_launch_branch(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;

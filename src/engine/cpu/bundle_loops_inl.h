@@ -23,11 +23,13 @@ static inline cml_u32 cml_pick_word(int active, cml_u32 a, cml_u32 b)
 #endif
 }
 
+/* Returns a if `active` is 1, otherwise b, without a branch. */
 static inline int cml_pick_int(int active, int a, int b)
 {
     return (int)cml_pick_word(active, (cml_u32)a, (cml_u32)b);
 }
 
+/* Returns a if `active` is 1, otherwise b, without a branch: the bits are selected, so a NaN does no harm. */
 static inline real cml_pick(int active, real a, real b)
 {
     return cml_float_of(cml_pick_word(active, cml_bits_of(a), cml_bits_of(b)));
@@ -64,7 +66,8 @@ cml_queue_crossing_of(const struct cml_setup *setup, const struct cml_launch_que
     return at;
 }
 
-/* Returns cml_draw_reflection for photon i of the queue. */
+/* Returns the random word that decides whether photon i of the queue is reflected at the first boundary,
+ * with the same bits as cml_draw_reflection. */
 static inline cml_u32 cml_queue_reflection(struct cml_stream stream, const struct cml_launch_queue *queue,
                                            int i, struct cml_queue_crossing at)
 {
@@ -203,7 +206,8 @@ struct cml_lane_candidates {
     int ends_above, ends_below, starts_above, starts_below;
 };
 
-/* Finds the boundaries that lane i may meet on a path of length s (cm). */
+/* Returns which boundaries lane i may meet on a path of length s (cm), by the depths at which the path
+ * starts and ends. */
 static inline struct cml_lane_candidates cml_find_lane_candidates(const struct cml_bundle *b, int i, real s)
 {
     const real z = b->z[i], step = s * b->uz[i], end = z + step, err_depth = cml_err_depth(z, step);

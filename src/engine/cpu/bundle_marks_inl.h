@@ -66,7 +66,8 @@ static void cml_add_more_scores(const struct cml_flight *f, const cml_u32 *score
     }
 }
 
-/* Scores the fluence of lanes that are about to interact. */
+/* Scores the fluence of all lanes that are about to interact: in dense media at the interaction, elsewhere
+ * at the marks on the flight to it. */
 static void cml_mark_interactions(struct cml_flight *f)
 {
     _Alignas(64) cml_u32 cell[CML_LANES], score[CML_LANES];
@@ -80,7 +81,8 @@ static void cml_mark_interactions(struct cml_flight *f)
                       cml_mark_lane_flight);
 }
 
-/* Runs cml_bundle_reach_planes, and scores the marks up to the planes. */
+/* Moves lanes to the planes that they meet (cml_bundle_reach_planes), and scores fluence at the marks on the
+ * way. */
 static int cml_reach_planes_with_marks(struct cml_flight *f)
 {
     struct cml_bundle *b = f->b;
@@ -117,7 +119,8 @@ static void cml_mark_exits(const struct cml_flight *f, int first, cml_u32 exits)
     }
 }
 
-/* Books rows of lanes that are about to interact in another gate (P16), if rows have A_t. */
+/* Books the absorption of rows of a sweep (P16) for lanes whose packets interact in a later time gate than
+ * at their last booking, so that each gate gets its own share. Only if rows have A_t, absorption by time. */
 static void cml_keep_time_of_rows(struct cml_flight *f)
 {
     _Alignas(64) real since[CML_LANES];
@@ -130,7 +133,8 @@ static void cml_keep_time_of_rows(struct cml_flight *f)
                       cml_flush_deposits);
 }
 
-/* Adds interactions that are samples to the rows of their lanes (P16). */
+/* Adds those interactions that are drawn as samples to A(z) of all rows of a sweep (P16). Only a share of
+ * interactions is sampled, because each costs work for every row. */
 static void cml_sample_rows(struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;

@@ -17,7 +17,9 @@ static int cml_queue_can_place(const struct cml_setup *setup, const struct cml_s
            source->light != CML_LIGHT_TABLE;
 }
 
-/* Draws the words that place the photons, as cml_draw_launch does. */
+/* Draws the random words for the starting places of CML_QUEUE photons, with the same bits as
+ * cml_draw_launch. If sampling is even (lattice > 0), the words for radius and polar angle come from a
+ * shifted lattice. */
 CML_LOOP void cml_queue_draw_launch(struct cml_stream stream, struct cml_launch_queue *queue)
 {
     const cml_u32 radius = CML_LATTICE_LAUNCH_RADIUS, polar = CML_LATTICE_LAUNCH_POLAR;
@@ -61,7 +63,8 @@ static inline void cml_queue_offsets(const struct cml_world *world, struct cml_l
     }
 }
 
-/* Runs cml_queue_offsets with the loop for the beam's shape. */
+/* Places the photons of the queue on the beam's shape. Each shape has its own compiled loop, so that no loop
+ * branches on the shape. */
 CML_LOOP void cml_queue_place_on_shape(const struct cml_world *world, struct cml_launch_queue *queue)
 {
     switch (world->sources[0].shape) {
@@ -106,7 +109,8 @@ static inline void cml_queue_aim(const struct cml_world *world, struct cml_launc
     }
 }
 
-/* Runs cml_queue_aim with the loop for the beam's light. */
+/* Moves the photons of the queue to their starts above the scene. Each kind of light has its own compiled
+ * loop, so that no loop branches on it. */
 CML_LOOP void cml_queue_place_above(const struct cml_world *world, struct cml_launch_queue *queue)
 {
     switch (world->sources[0].light) {

@@ -3,9 +3,10 @@
 
 #include "surface/mesh/mesh_surface.h"
 
-/* A plane needs no start depth: only a path that ends beyond a plane meets it (cml_find_lane_candidates). A
- * plane with a backing counts as curved, because lanes go by kernels/walk.h there. A medium without a
- * boundary on one side, an outer one or a body's, has infinite depths and its own index there. */
+/* Returns the properties of medium m as lanes read them: optical properties, indices on both sides, and the
+ * depths between which no boundary is met. A plane needs no start depth, since only a path that ends beyond
+ * a plane meets it. A plane with a backing counts as curved. A side without a boundary has an infinite depth
+ * and the medium's own index. */
 struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
 {
     const struct cml_medium *medium = &world->media[m];
@@ -66,8 +67,8 @@ static real cml_reflectance_at(const struct cml_world *world, const struct cml_p
     return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);
 }
 
-/* If the medium above scatters or absorbs, packets have no common path to the boundary, and the hit is not
- * known. */
+/* Finds where all packets of a pencil beam first meet a boundary, so that each need not search for it. The
+ * hit is not known if the medium above scatters or absorbs: packets then have no common path. */
 void cml_find_first_hit(struct cml_flight *f)
 {
     struct cml_packet packet = f->start;
@@ -79,7 +80,9 @@ void cml_find_first_hit(struct cml_flight *f)
     f->enters = cml_transmit_like(f->world, &f->start, &f->first_hit, &f->inside);
 }
 
-/* If paths, visits or expected values are counted, lanes cross the plane themselves. */
+/* Finds how packets whose places are drawn in the queue enter the first layer through a plane, all in the
+ * same way, so that vector loops take them through. If paths, visits or expected values are counted, lanes
+ * cross the plane by themselves. */
 void cml_find_entry(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
@@ -95,8 +98,8 @@ void cml_find_entry(struct cml_flight *f)
                 cml_transmit_like(world, &packet, &hit, &f->inside);
 }
 
-/* Finds the known path of packets that begin alike inside, below a mesh. Its hit is that of a path without an
- * end. */
+/* Finds out once what packets meet that all begin alike below a mesh (a pencil beam), so that most of them
+ * need no search: `known` holds the start, and the lengths of path with the same answer. */
 void cml_find_known_path(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
@@ -117,9 +120,8 @@ void cml_find_known_path(struct cml_flight *f)
 }
 
 /* Finds out if there are ballistic packets: packets that start alike, do not interact in their first medium,
- * and end at the boundary behind it. Only a plane ends packets for certain, because light that leaves through
- * a plane never returns (P6). Packets are not counted together if each must be scored by itself: for maps,
- * facets, expected values, marks of fluence or rows. */
+ * and end at the plane behind it. They can be counted instead of flown, unless each must be scored by itself
+ * (maps, facets, expected values, fluence, rows). */
 void cml_find_ballistic(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;

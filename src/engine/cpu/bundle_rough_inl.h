@@ -37,7 +37,8 @@ static inline struct cml_frame cml_plane_frame(real side)
     return cml_frame_about(against);
 }
 
-/* Adds the walk of lane i to the others. */
+/* Adds lane i to the walks among facets of rough boundaries, which are made for many lanes at a time. Copies
+ * what the walk needs: direction, indices on both sides, and the lane's random draws. */
 static void cml_begin_rough_walk(struct cml_flight *f, int i, real alpha)
 {
     struct cml_rough_lanes *w = f->rough;
@@ -59,7 +60,8 @@ static void cml_begin_rough_walk(struct cml_flight *f, int i, real alpha)
     w->reflection[k] = b->crossings[i] == 0u ? b->reflection[i] : b->second_reflection[i];
 }
 
-/* Takes all walks to their first facet. kind: constant, so that each kind has a loop of its own. */
+/* Takes the walks of all lanes at a rough boundary to their first facet. kind: the distribution of slopes,
+ * constant so that each has a loop of its own. */
 __attribute__((always_inline)) static inline void
 cml_rough_lanes_come(struct cml_stream stream, struct cml_rough_lanes *w, const int kind)
 {
@@ -84,8 +86,8 @@ cml_rough_lanes_come(struct cml_stream stream, struct cml_rough_lanes *w, const 
     }
 }
 
-/* Does a round of cml_rough_event: every walk turns at its facet number `steps`, counted from 1, and leaves
- * or comes to another facet. kind: constant. */
+/* Does one round of the walks over facets of rough boundaries: every walk turns at its facet number `steps`,
+ * counted from 1, and then leaves or comes to another facet. kind: constant. */
 __attribute__((always_inline)) static inline void
 cml_rough_lanes_turn(struct cml_stream stream, struct cml_rough_lanes *w, cml_u32 steps, const int kind)
 {
@@ -119,21 +121,27 @@ cml_rough_lanes_turn(struct cml_stream stream, struct cml_rough_lanes *w, cml_u3
     }
 }
 
+/* Compiles cml_rough_lanes_come for the GGX distribution, so that the loop has no branch for the kind. */
 CML_LOOP void cml_rough_lanes_come_ggx(struct cml_stream stream, struct cml_rough_lanes *w)
 {
     cml_rough_lanes_come(stream, w, CML_ROUGH_GGX);
 }
 
+/* Compiles cml_rough_lanes_come for the Beckmann distribution, so that the loop has no branch for the
+ * kind. */
 CML_LOOP void cml_rough_lanes_come_beckmann(struct cml_stream stream, struct cml_rough_lanes *w)
 {
     cml_rough_lanes_come(stream, w, CML_ROUGH_BECKMANN);
 }
 
+/* Compiles cml_rough_lanes_turn for the GGX distribution, so that the loop has no branch for the kind. */
 CML_LOOP void cml_rough_lanes_turn_ggx(struct cml_stream stream, struct cml_rough_lanes *w, cml_u32 steps)
 {
     cml_rough_lanes_turn(stream, w, steps, CML_ROUGH_GGX);
 }
 
+/* Compiles cml_rough_lanes_turn for the Beckmann distribution, so that the loop has no branch for the
+ * kind. */
 CML_LOOP void cml_rough_lanes_turn_beckmann(struct cml_stream stream, struct cml_rough_lanes *w,
                                             cml_u32 steps)
 {
@@ -170,7 +178,8 @@ static void cml_close_up_rough_walks(struct cml_rough_lanes *w)
     w->walking = left ? ~(uint64_t)0 >> (CML_LANES - left) : 0;
 }
 
-/* Ends the walks that leave in this round. */
+/* Ends the walks among facets of a rough boundary that leave in this round, and closes up the others. steps:
+ * facets met so far. */
 static void cml_end_rough_walks(struct cml_flight *f, cml_u32 steps)
 {
     struct cml_rough_lanes *w = f->rough;
@@ -183,7 +192,9 @@ static void cml_end_rough_walks(struct cml_flight *f, cml_u32 steps)
     cml_close_up_rough_walks(w);
 }
 
-/* Takes all lanes that have come to a rough plane of this kind through it (P20). */
+/* Takes all lanes that have come to a rough plane with this distribution of slopes through the plane (P20):
+ * all walk over its facets at once, round by round, until each has left. Walks that meet too many facets are
+ * given up as lost. */
 static void cml_cross_rough_planes_of(struct cml_flight *f, uint64_t lanes, enum cml_rough_kind kind)
 {
     struct cml_rough_lanes *w = f->rough;

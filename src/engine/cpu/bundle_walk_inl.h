@@ -91,10 +91,9 @@ static void cml_place_exits(struct cml_flight *f, int first, cml_u32 exits, int 
     }
 }
 
-/* Moves packets of a group that leave through a plane (P6), mask `exits`, into the collection of terminated
- * packets. Columns are packed: the values of the lanes in the mask move side by side, behind the entries of
- * the collection. Deposits since the last booking go along, and are booked for the layer that the packets
- * leave. The lanes keep their columns, which are not used until the lanes are refilled. */
+/* Collects the packets of a group of lanes that leave the scene through a plane (P6), mask `exits`. Columns
+ * are packed: the values of these lanes move side by side, behind the ends collected so far. Deposits not
+ * yet added to the sums go along, and count for the layer that the packets leave. */
 static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 {
     const struct cml_bundle *b = f->b;
@@ -158,10 +157,10 @@ static void cml_handle_limit(struct cml_flight *f, int i)
         cml_end_lane(f, i, CML_FATE_LOST, CML_LOST_STUCK);
 }
 
-/* Plays roulette by `rule` with the lane's packet (P8, P19). The draw is that of the interaction that the
- * packet has just had. Its block is computed again for its fourth word, which the loops do not keep, because
- * few packets get here. */
-static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule rule)
+/* Plays roulette by `rule` with the packet of lane i (P8, P19), and ends the lane if the packet loses. The
+ * draw is the fourth random word of the packet's last interaction. The loops do not keep this word, so the
+ * block is computed again. Deposits before and after the new weight are kept apart. */
+static void cml_lane_roulette_by(struct cml_flight *f, int i, struct cml_roulette_rule rule)
 {
     struct cml_bundle *b = f->b;
     struct cml_packet packet = {.w = b->w[i]};
@@ -169,7 +168,8 @@ static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule
         cml_draw(f->world->setup.stream, cml_lane_index(b, i), CML_PURPOSE_INTERACTION, b->interactions[i]);
     cml_roulette(rule, &packet);
     cml_tally_events(&packet, f->tally);
-    b->interactions[i]++; /* counts the interaction that the next pass will count */
+    /* The deposits belong to the interaction that the next pass will count. */
+    b->interactions[i]++;
     cml_flush_deposits(f, i);
     b->interactions[i]--;
     if (f->factors) {
@@ -184,11 +184,12 @@ static void cml_lane_plays(struct cml_flight *f, int i, struct cml_roulette_rule
 
 static void cml_lane_roulette(struct cml_flight *f, int i)
 {
-    cml_lane_plays(f, i, f->world->setup.roulette);
+    cml_lane_roulette_by(f, i, f->world->setup.roulette);
 }
 
-/* cml_weigh for a lane that has interacted and is outside of its window (P19). The lane has not drawn for its
- * next interaction yet, and its branches are numbered by that interaction. */
+/* Plays roulette with the packet of lane i or splits it, after an interaction that left its weight outside
+ * of its window (P19), as cml_weigh does. The lane has not drawn for its next interaction yet, and its
+ * branches are numbered by that interaction. */
 static void cml_weigh_lane(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -200,7 +201,7 @@ static void cml_weigh_lane(struct cml_flight *f, int i)
     struct cml_packet packet;
     const cml_u32 w = b->w[i];
     if (w < low) {
-        cml_lane_plays(f, i, rule);
+        cml_lane_roulette_by(f, i, rule);
         if (b->w[i] > w) b->spent[i] = cml_spent_after(b->spent[i], w, b->w[i]);
         return;
     }
@@ -214,7 +215,7 @@ static void cml_weigh_lane(struct cml_flight *f, int i)
     b->w[i] = b->flushed_w[i] = packet.w;
 }
 
-/* Weighs the lanes that have interacted and are outside of their windows (P19). */
+/* Plays roulette or splits in lanes that have interacted and whose weight is out of its window (P19). */
 static void cml_weigh_lanes(struct cml_flight *f)
 {
     _Alignas(64) int outside[CML_LANES];
@@ -293,9 +294,9 @@ static void cml_score_tail_at_planes(struct cml_flight *f, uint64_t above)
     }
 }
 
-/* Handles the planes that lanes with MAY_HIT meet: reaches them, reflects or refracts, leaves or enters a
- * layer. Lanes of packets that have left are refilled at once, and all lanes in flight get a new path, so
- * that they may interact in this same pass. */
+/* Handles all lanes that meet a plane in this pass: moves them there, reflects or refracts them, and lets
+ * them leave or enter a layer. Lanes of packets that have left get new packets at once, and all lanes get a
+ * new path, so that they may interact in the same pass. */
 static void cml_cross_planes(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -459,7 +460,8 @@ static int cml_interact_lanes(const struct cml_world *world, struct cml_bundle *
     return tally ? cml_bundle_interact(setup, b) : cml_bundle_scatter(setup, b);
 }
 
-/* Does the interactions of a pass. */
+/* Does the interactions of all lanes that have one in this pass: absorption, scattering, deposits, and
+ * roulette or weight windows for lanes of low weight. */
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -520,8 +522,9 @@ static void cml_flight_pass(struct cml_flight *f)
     if (f->ended) cml_refill(f);
 }
 
-/* Begins a flight: finds the facts that all packets share, and launches the first ones. On entry f holds
- * world, bundle (all 0), tally, media, source and branches; all else is 0. */
+/* Begins the flight of a thread's lanes: finds what all packets share (such as the first hit of a pencil
+ * beam), and launches the first ones. On entry f holds world, bundle (all 0), tally, media, source and
+ * branches; all else is 0. */
 static void cml_flight_begin(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -568,9 +571,9 @@ static void cml_flight_run(struct cml_flight *f)
     if (!f->given_up) cml_end_batch(f);
 }
 
-/* Flies all packets that the source hands out. All results go into `tally`, which no other thread writes,
- * except for the arrays that threads share. media: [num_layers + 2 + num_bodies]; factors: as in
- * cml_flight. */
+/* Flies all packets that the source gives to one thread, CML_LANES at a time, and adds them to `tally`,
+ * which no other thread writes, except for arrays that threads share. media: [num_layers + 2 + num_bodies];
+ * factors: as in cml_flight. */
 static inline void cml_bundle_walk(const struct cml_world *world, const struct cml_lane_medium *media,
                                    const struct cml_range_source *source, real *factors,
                                    struct cml_branches *branches, struct cml_tally *tally)

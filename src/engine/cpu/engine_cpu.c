@@ -8,7 +8,8 @@ extern const struct cml_engine cml_engine_cpu_base;
 extern const struct cml_engine cml_engine_cpu_v3, cml_engine_cpu_v4;
 #endif
 
-/* Levels come in the order of preference. The baseline runs on every machine. */
+/* Lists the compiled versions of the engine that this processor can run, the fastest first, and returns
+ * their number. The baseline runs on every machine. */
 int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS])
 {
     int count = 0;
@@ -20,6 +21,7 @@ int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS])
     return count;
 }
 
+/* Returns the engine that was compiled for the best instructions of this processor. */
 const struct cml_engine *cml_engine_cpu(void)
 {
     struct cml_cpu_level levels[CML_CPU_LEVELS];

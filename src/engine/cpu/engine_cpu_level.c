@@ -33,6 +33,7 @@ struct cpu_engine {
     uint64_t chunk;
 };
 
+/* Frees an engine of the processor; NULL is allowed, and so is an engine that was not opened completely. */
 static void cpu_close(void *self)
 {
     struct cpu_engine *cpu = self;
@@ -47,10 +48,9 @@ static void cpu_close(void *self)
     free(cpu);
 }
 
-/* Makes a tally for each thread, so that no addition needs a lock. Maps, volume and facets belong to the
- * first tally, and all threads add to them by atomic additions. So does an A_rz or a phi that is too large
- * for a copy each (cml_tally_grid_of_thread); then the first tally belongs to no thread, and there is one
- * more. */
+/* Makes a tally for each thread, so that additions need no lock. Large arrays belong to the first tally, and
+ * all threads add to them by atomic additions. If even A_rz or the fluence is too large for a copy each, the
+ * first tally belongs to no thread, and there is one more. */
 static cml_status create_tallies(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, struct cpu_engine *cpu,
                                  struct cml_error *err)
@@ -70,7 +70,7 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
     return CML_OK;
 }
 
-/* Makes the media as lanes hold them; they are the same for all threads. */
+/* Makes the properties of all media in the form that lanes load; they are the same for all threads. */
 static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *err)
 {
     const int count = cpu->owned.world.setup.num_layers + 2 + cpu->owned.world.setup.num_bodies;
@@ -87,7 +87,7 @@ static size_t num_factors(const struct cpu_engine *cpu)
     return rows ? (size_t)CML_LANES * cml_row_factors(rows) : 0;
 }
 
-/* Makes the factors of rows for all threads. */
+/* Allocates for each thread the factors by which rows of a sweep multiply packets' weights. */
 static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
 {
     const size_t count = (size_t)cpu->threads * num_factors(cpu);
@@ -96,7 +96,7 @@ static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
     return cpu->factors ? CML_OK : cml_fail_memory(err, (double)(count * sizeof(real)), "the rows");
 }
 
-/* Makes a stack of branches for each thread. */
+/* Makes for each thread a stack of branches, which are parts of split packets that wait for their flight. */
 static cml_status create_branches(struct cpu_engine *cpu, struct cml_error *err)
 {
     cpu->branches = calloc((size_t)cpu->threads, sizeof *cpu->branches);
@@ -115,6 +115,8 @@ static int choose_threads(int asked)
     return wanted < most ? wanted : most;
 }
 
+/* Opens the engine of the processor for a scene: the scene as kernels read it, and per thread a tally and
+ * scratch memory. Without --chunk, 1024 packets are flown at a time. */
 static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                            const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
@@ -159,12 +161,15 @@ static int next_photons(void *context, uint64_t *first, uint64_t *count)
     return 1;
 }
 
+/* Tells the caller of the engine that a batch is complete. */
 static void end_batch(void *context, int batch, struct cml_tally *tally)
 {
     const struct cml_work *work = ((const struct supply *)context)->work;
     work->end_batch(work->context, batch, tally);
 }
 
+/* True if the run was to stop a while ago and this thread still flies. The supply then remembers that the
+ * thread's packets were given up. */
 static int gives_up(void *context)
 {
     struct supply *supply = context;
@@ -190,7 +195,7 @@ struct cpu_flight {
     atomic_bool given_up;
 };
 
-/* Flies the packets of one thread, and hands in its tally unless all threads share it. */
+/* Flies the packets of one thread, and adds its tally to the result unless all threads share it. */
 static void fly_and_add(void *context, int number)
 {
     struct cpu_flight *flight = context;
@@ -201,6 +206,7 @@ static void fly_and_add(void *context, int number)
     if (mine != cpu->tallies) flight->work->add(flight->work->context, mine);
 }
 
+/* Tells the run that the system started fewer threads than asked for. */
 static void tell_fewer(void *context, int count)
 {
     const struct cml_work *work = ((const struct cpu_flight *)context)->work;
@@ -219,6 +225,7 @@ static cml_status cpu_run(void *self, const struct cml_work *work, struct cml_er
     return CML_OK;
 }
 
+/* Flies one packet by the scalar walk, and reports its events to `on_event`, for the command `trace`. */
 static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                             struct cml_fate_record *record, struct cml_error *err)
 {
@@ -248,7 +255,8 @@ static bool take_part(struct cpu_fates *fates, uint64_t *begin, uint64_t *size)
     return true;
 }
 
-/* Finds the ends of packets, part after part, in one thread. */
+/* Finds the ends of packets on one thread, part after part, until all parts are taken. Only the first thread
+ * that fails reports its error. */
 static void trace_parts(void *context, int number)
 {
     (void)number;

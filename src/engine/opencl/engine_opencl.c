@@ -28,7 +28,7 @@ struct opencl_engine {
     struct cml_tally tally; /* the tally of a call of run; zero between calls */
 };
 
-/* Closes an engine, also one that was opened in part. */
+/* Frees the engine; also one that was opened only in part. */
 static void opencl_close(void *self)
 {
     struct opencl_engine *engine = self;
@@ -128,7 +128,8 @@ static cml_status open_flights(const struct cml_opencl_device *devices, int coun
     return CML_OK;
 }
 
-/* Refuses scenes that devices cannot fly, and opens all devices. */
+/* Opens the chosen OpenCL devices for a scene. Refuses meshes, maps and --aim first, which devices do not
+ * support. */
 static cml_status open_engine(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                               const struct cml_engine_options *options, struct opencl_engine *engine,
                               struct cml_error *err)
@@ -302,7 +303,8 @@ static void copy_record(const struct cml_world *world, uint64_t index, const str
     };
 }
 
-/* Reads the first device's buffer of fates as records. */
+/* Reads how `count` packets from number `first` ended from the first device, and converts them to records of
+ * the host. */
 static cml_status read_records(struct opencl_engine *engine, uint64_t first, uint64_t count,
                                struct cml_fate_record *records, struct cml_error *err)
 {
@@ -316,7 +318,7 @@ static cml_status read_records(struct opencl_engine *engine, uint64_t first, uin
     return status;
 }
 
-/* Flies packets on the first device, whose tallies are then thrown away. */
+/* Flies packets on the first device and records how each ends, for `crosscheck`. Its sums are thrown away. */
 static cml_status opencl_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                                struct cml_error *err)
 {
@@ -396,7 +398,8 @@ static int opencl_threads(const void *self)
     return (int)units;
 }
 
-/* Twice the world, because a device that is the processor keeps its buffers in the same memory. */
+/* Returns the memory that the engine takes on the host, in bytes: twice the world, because a device that is
+ * the processor keeps its buffers in the same memory. */
 static double opencl_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     return 2 * cml_world_bytes(scene, surfaces);

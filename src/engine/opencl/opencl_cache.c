@@ -103,7 +103,8 @@ static unsigned char *read_binary(FILE *file, const char *key, size_t *size)
     return data;
 }
 
-/* Any other failure here only costs a compilation, so it is not reported. */
+/* Returns the compiled kernel that an earlier run has stored under this key, or NULL. A failure only costs a
+ * compilation, so it is not reported. */
 unsigned char *cml_opencl_cache_load(const char *key, cml_opencl_note *on_note, size_t *size)
 {
     char path[960], name[32];
@@ -123,8 +124,8 @@ unsigned char *cml_opencl_cache_load(const char *key, cml_opencl_note *on_note, 
     return binary;
 }
 
-/* The binary is written under another name first, so that another process never reads half a file. The rights
- * of the file do not depend on the umask. */
+/* Stores a compiled kernel under its key for later runs. It is written under another name first, so that no
+ * other process reads half a file. The rights of the file do not depend on the umask. */
 void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t size)
 {
     char path[960 + 32], name[32];

@@ -36,7 +36,7 @@ static const char *code_name(cl_int code)
     return "OpenCL error";
 }
 
-/* This is the only place that words a failed call of OpenCL: device, call, name and number of the code. */
+/* Makes the error message of a failed call of OpenCL: device, call, and name and number of the code. */
 cml_status cml_opencl_fail(const struct cml_opencl_device *device, const char *what, cl_int code,
                            struct cml_error *err)
 {
@@ -68,7 +68,8 @@ static bool has_extension(cl_device_id id, const char *name)
     return found;
 }
 
-/* Fills the description of a device, once. A driver need not answer every question (see ask). */
+/* Asks a device for its properties: name, memory, units and so on. A driver need not answer every
+ * question. */
 static void describe(cl_platform_id platform, cl_device_id id, struct cml_opencl_info *info)
 {
     cl_device_type type;
@@ -144,7 +145,7 @@ static cml_status find_devices(struct cml_opencl_device **list, int *count, stru
     return CML_OK;
 }
 
-/* Lists the devices of find_devices without their handles, for callers that include no OpenCL header. */
+/* Lists all devices with their properties, for callers that include no OpenCL header. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
     struct cml_opencl_device *devices;
@@ -161,8 +162,8 @@ const char *cml_opencl_build(void)
     return "OpenCL 1.2";
 }
 
-/* Ranks of one machine share its GPUs in turn. A CPU that is also a device is left to ranks of machines
- * without a GPU. */
+/* Returns the number of the device that a rank takes without --device. Ranks of one machine share its GPUs
+ * in turn. A CPU that is also a device is left to ranks of machines without a GPU. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
     int gpus = 0;
@@ -173,7 +174,8 @@ int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_
     return 0;
 }
 
-/* Reads the next number of "i,j,...". Returns false for any other text. */
+/* Reads the next number of a list like "0,2,5" and moves *cursor behind the number and the comma. Returns
+ * false for anything else, also for a comma at the end of the list. */
 static bool next_number(const char **cursor, int *number)
 {
     char word[16];
@@ -182,11 +184,12 @@ static bool next_number(const char **cursor, int *number)
     memcpy(word, *cursor, length);
     word[length] = '\0';
     *cursor += length;
-    if (**cursor == ',' && *++*cursor == '\0') return false;
+    if (**cursor == ',' && *++*cursor == '\0') return false; /* a comma, and nothing behind it */
     return cml_parse_int(word, number);
 }
 
-/* Fills numbers[most] with the devices that the text names. */
+/* Reads the value of --device, like "0,2", into numbers[most]; *count becomes how many. Refuses numbers of
+ * devices that do not exist (`devices`: how many there are). */
 static cml_status parse_selection(const char *wanted, int devices, int *numbers, int most, int *count,
                                   struct cml_error *err)
 {
@@ -205,7 +208,8 @@ static cml_status parse_selection(const char *wanted, int devices, int *numbers,
     return CML_OK;
 }
 
-/* cml_opencl_default for devices with handles; the first device if memory is short. */
+/* Returns the number of the device for a run without --device, as cml_opencl_default does; the first one if
+ * memory is short. local_rank: number of this rank among those of the machine. */
 static int choose_default(const struct cml_opencl_device *all, int count, int local_rank)
 {
     struct cml_opencl_info *infos = calloc((size_t)count, sizeof *infos);
@@ -215,8 +219,8 @@ static int choose_default(const struct cml_opencl_device *all, int count, int lo
     return number;
 }
 
-/* Selects at most 64 devices, because the engine notes in an array of that size which devices it has
- * started. */
+/* Selects the devices that --device names, or the default one for this rank: at most 64, the size of the
+ * engine's list of started devices. */
 cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_opencl_device **list, int *count,
                              struct cml_error *err)
 {

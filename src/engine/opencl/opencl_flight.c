@@ -142,7 +142,7 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
     return CML_OK;
 }
 
-/* The read waits for all that was queued before. */
+/* Reads `size` bytes of a buffer from the device, after all calls that were queued before have ended. */
 cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight, int buffer, void *to, size_t bytes,
                                   struct cml_error *err)
 {
@@ -180,7 +180,7 @@ static cml_status check_layout(struct cml_opencl_flight *flight, struct cml_erro
     return CML_OK;
 }
 
-/* Marks all packets on the device as ended, so that lanes take new ones in the first call. */
+/* Marks all packets on the device as ended, so that work-items take new ones in the first call. */
 static cml_status end_packets(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t count = (size_t)flight->most_items * flight->lanes, bytes = count * CML_DEVICE_PACKET;
@@ -262,7 +262,8 @@ static cml_status set_arguments(const struct cml_opencl_scene *scene, const stru
     return CML_OK;
 }
 
-/* Opens the device in steps, each of which needs those before it. */
+/* Opens one device: sizes, context, queue, compiled kernel, buffers, arguments. Each step needs the ones
+ * before it. On failure the caller releases what was made. */
 static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                               struct cml_error *err)
 {
@@ -281,6 +282,8 @@ static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_o
     return set_arguments(scene, &parts, flight, err);
 }
 
+/* Opens an OpenCL device for a scene: compiles the kernel and copies the scene. On failure everything is
+ * released. */
 cml_status cml_opencl_flight_open(const struct cml_opencl_device *device,
                                   const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                                   struct cml_error *err)
@@ -291,6 +294,7 @@ cml_status cml_opencl_flight_open(const struct cml_opencl_device *device,
     return status;
 }
 
+/* Releases everything of an OpenCL flight, also of one that was only partly opened. */
 void cml_opencl_flight_close(struct cml_opencl_flight *flight)
 {
     for (int i = 0; i < CML_NUM_BUFFERS; i++)
@@ -302,8 +306,8 @@ void cml_opencl_flight_close(struct cml_opencl_flight *flight)
     *flight = (struct cml_opencl_flight){0};
 }
 
-/* A device with fewer photons than it could take uses fewer items. The buffer for records is made when the
- * first are wanted, and kept; then the kernel must be told of it. */
+/* Prepares a device for a piece of photons. With fewer photons than it could take, the device uses fewer
+ * work-items. The buffer for records of ends is made when records are first wanted, and kept. */
 cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t photons, uint64_t records,
                                    struct cml_error *err)
 {
@@ -320,7 +324,8 @@ cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t ph
     return CML_OK;
 }
 
-/* The counters are written to the device when the next call starts. */
+/* Gives a device more photons, which its next call starts to fly: `count` indices from `first` on, `stride`
+ * apart. The counters are written to the device then. */
 void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t stride, uint64_t count)
 {
     flight->counters.first = first;
@@ -329,19 +334,21 @@ void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, ui
     flight->counters.taken = 0;
 }
 
+/* True if the device has begun all photons that it was given. */
 bool cml_opencl_flight_dry(const struct cml_opencl_flight *flight)
 {
     return flight->counters.taken >= flight->counters.count;
 }
 
+/* True if the device has begun all its photons, and none is still under way. */
 bool cml_opencl_flight_done(const struct cml_opencl_flight *flight)
 {
     return cml_opencl_flight_dry(flight) && flight->counters.alive == 0;
 }
 
-/* Only whole groups can be started; items beyond call.items rest. Counters go with every call, because the
- * device counts the packets alive and lost during the call. The queue is flushed, so that the device begins
- * while the host starts others. */
+/* Starts a call of the kernel without waiting for its end. Only whole groups can be started; items beyond
+ * call.items rest. Counters go with every call, because the device counts packets alive and lost. The flush
+ * makes the device begin while the host starts others. */
 cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t local = flight->group, global = (flight->call.items + local - 1) / local * local;
@@ -374,7 +381,8 @@ static void adapt(struct cml_opencl_flight *flight, double seconds)
     if (full > CALL_SECONDS * 2 && alive == items && *steps > 1) *steps /= 2;
 }
 
-/* The blocking read also waits for the kernel, because the queue keeps its order. */
+/* Waits for the end of a call of the kernel and reads its counters. The blocking read waits for the kernel,
+ * because the queue keeps its order. */
 cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     CML_TRY(
@@ -383,6 +391,7 @@ cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml
     return CML_OK;
 }
 
+/* Reads the sums from the device and sets them to zero there, so that no sum is counted twice. */
 cml_status cml_opencl_flight_collect(struct cml_opencl_flight *flight, uint64_t *cells, struct cml_error *err)
 {
     CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_CELLS, cells, flight->num_cells * sizeof *cells, err));

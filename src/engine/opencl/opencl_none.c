@@ -6,7 +6,8 @@
 
 #include <stdlib.h>
 
-/* Fails, so that of the engine's other functions only threads and close are ever called. */
+/* Fails: a program without OpenCL has no such engine. Of the engine's other functions only threads and close
+ * are ever called. */
 static cml_status none_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                             const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
@@ -15,12 +16,14 @@ static cml_status none_open(const struct cml_scene *scene, const struct cml_surf
     return cml_fail(err, CML_E_DEVICE, "this clustermcml was built without OpenCL");
 }
 
+/* Stands for the number of threads of OpenCL in a program without OpenCL. */
 static int none_threads(const void *self)
 {
     (void)self;
     return 0;
 }
 
+/* Stands for the memory of OpenCL in a program without OpenCL. */
 static double none_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     (void)scene, (void)surfaces;
@@ -53,6 +56,7 @@ const char *cml_opencl_build(void)
     return "none";
 }
 
+/* Stands for the choice of a device in a program without OpenCL. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
     (void)list, (void)count, (void)local_rank;

@@ -62,7 +62,7 @@ static bool build_from_cache(const struct cml_opencl_device *device, cl_context 
     return false;
 }
 
-/* Stores the program's binary in the cache. A driver that gives no binary is no failure. */
+/* Stores the compiled program in the cache on the disk. A driver that gives no binary is no failure. */
 static void keep(const char *key, cl_program program)
 {
     size_t size = 0;
@@ -74,7 +74,8 @@ static void keep(const char *key, cl_program program)
     free(binary);
 }
 
-/* Compiles the text that was put together when the program was built (opencl_text.cmake). */
+/* Compiles the kernel from its source text, which is a part of this program (opencl_text.cmake put it
+ * together). */
 static cml_status build_from_text(const struct cml_opencl_device *device, cl_context context,
                                   const char *options, cl_program *program, struct cml_error *err)
 {
@@ -90,7 +91,8 @@ static cml_status build_from_text(const struct cml_opencl_device *device, cl_con
     return status;
 }
 
-/* If there is no memory for a key, the program is built and not kept. */
+/* Returns the compiled kernel for a device: from the cache of earlier runs, else compiled and stored there.
+ * Without memory for the cache's key, the kernel is compiled and not stored. */
 cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context, const char *options,
                               cml_opencl_note *on_note, cl_program *program, struct cml_error *err)
 {

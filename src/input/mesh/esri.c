@@ -19,6 +19,7 @@ struct grid {
     struct cml_error *err;
 };
 
+/* Refuses a word of an ESRI grid, with file and line. */
 static cml_status fail(const struct grid *g, const char *name, const char *value, const char *expected)
 {
     return cml_fail_field(g->err, g->text.path, g->text.line, name, value, expected);
@@ -35,7 +36,7 @@ static char *next_word(struct grid *g)
     }
 }
 
-/* Parses a height or the value of NODATA_value, which some programs write as nan. */
+/* Parses a height or the value of NODATA_value, which some programs write as nan. False: it is no number. */
 static bool parse_height(const char *word, double *value)
 {
     if (strcasecmp(word, "nan") != 0) return cml_parse_double(word, value);
@@ -146,6 +147,7 @@ static cml_status read_heights(struct grid *g, const char *word, double unit, st
     return word ? fail(g, "word behind the last height", word, "the end of the file") : CML_OK;
 }
 
+/* Reads header and heights of an ESRI ASCII grid. unit: cm per unit of the file. */
 static cml_status read_grid(struct grid *g, double unit, struct cml_heightmap *map)
 {
     char *word = NULL;
@@ -159,6 +161,7 @@ static cml_status read_grid(struct grid *g, double unit, struct cml_heightmap *m
     return cml_heightmap_check(g->text.path, map, g->err);
 }
 
+/* Reads an ESRI ASCII grid as a heightmap, with its middle at x = y = 0. The file does not say its unit. */
 cml_status cml_esri_read(const struct cml_text_source *source, const char *path, double unit,
                          struct cml_heightmap *map, struct cml_error *err)
 {

@@ -20,6 +20,7 @@ struct field {
     struct cml_error *err;
 };
 
+/* Refuses a word in the header of a Gwyddion map, with file and line. */
 static cml_status fail(const struct field *f, const char *name, const char *value, const char *expected)
 {
     return cml_fail_field(f->err, f->text.path, f->text.line, name, value, expected);
@@ -31,7 +32,7 @@ static const char *values_of(const struct field *f)
     return f->pixels ? "pixels" : "heights";
 }
 
-/* Removes the blanks around a name or a value. */
+/* Removes the blanks around a name or a value, and returns where it begins. */
 static char *trim(char *text)
 {
     text += strspn(text, " \t");
@@ -48,6 +49,8 @@ static cml_status read_resolution(const struct field *f, const char *name, const
     return fail(f, name, value, "a whole number of 2 or more");
 }
 
+/* Reads the width or height of a Gwyddion map. *size is 0 until the line was seen, so that a second line is
+ * refused. */
 static cml_status read_size(const struct field *f, const char *name, const char *value, double *size)
 {
     if (*size != 0) return fail(f, name, value, "this line only once");
@@ -183,6 +186,7 @@ static cml_status check_order(const struct field *f, const char *data, size_t co
                           "floats with the lowest byte first; these look big-endian");
 }
 
+/* Refuses missing heights, and heights so large that later products would overflow. */
 static cml_status check_heights(const struct field *f, const struct cml_heightmap *map)
 {
     const size_t nx = (size_t)map->nx;
@@ -231,12 +235,14 @@ static cml_status read_file(const struct cml_text_source *source, const char *pa
     return status;
 }
 
+/* Reads a Gwyddion simple field as a heightmap in cm. */
 cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
                         struct cml_heightmap *map, struct cml_error *err)
 {
     return read_file(source, path, unit, false, map, err);
 }
 
+/* Reads a Gwyddion simple field as an image, whose values keep their unit. */
 cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char *path,
                                struct cml_heightmap *map, struct cml_error *err)
 {

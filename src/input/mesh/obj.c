@@ -47,7 +47,8 @@ static void write_comment(FILE *stream, const char *comment)
     fputc('\n', stream);
 }
 
-/* Writes 17 digits, which give every double back. */
+/* Writes a mesh as .obj with heights upwards: z changes its sign, and corners 1 and 2 change places so that
+ * faces stay turned the right way. 17 digits give every double back. */
 cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const char *comment,
                          struct cml_error *err)
 {

@@ -165,6 +165,8 @@ static size_t count_words(const char **at, const char *end)
     return words;
 }
 
+/* Counts the triangles of an OBJ text in one quick pass, so that a mesh that is too large is refused before
+ * it takes memory. A face with n corners becomes n - 2 triangles. */
 size_t cml_obj_count(const struct cml_text *text)
 {
     size_t triangles = 0;

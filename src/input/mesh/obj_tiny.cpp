@@ -28,6 +28,7 @@ struct collector {
     long long num_vertices;
 };
 
+/* Counts a vertex; its coordinates were read by our own scan. tinyobjloader calls it for every vertex. */
 void take_vertex(void *user, tinyobj::real_t, tinyobj::real_t, tinyobj::real_t, tinyobj::real_t)
 {
     static_cast<collector *>(user)->num_vertices++;
@@ -48,6 +49,8 @@ void take_face(void *user, tinyobj::index_t *indices, int num_indices)
 
 } // namespace
 
+/* Reads the faces of an OBJ text with tinyobjloader. Catches every exception of the library, because C code
+ * calls this function. */
 size_t cml_obj_tiny_corners(const char *text, size_t size, uint32_t *corner, size_t capacity)
 {
     try {

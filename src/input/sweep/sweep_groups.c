@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* True if a column of the sweep sets an absorption coefficient, as its name ends in .mua. */
 bool cml_sweep_is_absorption(const char *name)
 {
     const char *dot = strrchr(name, '.');
@@ -29,7 +30,8 @@ static bool may_share_in(const struct cml_sweep_table *table, int column,
     return !medium->is_first_layer && scattering(table, a, medium) > 0;
 }
 
-/* True if rows a and b may share a flight. */
+/* True if rows a and b of a sweep may share a flight: they differ only in absorption that reweighting can
+ * make up for. */
 static bool may_share(const struct cml_sweep_table *table, const struct cml_sweep_medium *media, int a, int b)
 {
     for (int c = 0; c < table->num_columns; c++)
@@ -37,6 +39,8 @@ static bool may_share(const struct cml_sweep_table *table, const struct cml_swee
     return true;
 }
 
+/* Divides the rows of a sweep into groups that one flight can serve. A row joins the first group whose first
+ * row it may share a flight with. */
 cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml_sweep_medium *media,
                            int **group, int *num_groups, struct cml_error *err)
 {

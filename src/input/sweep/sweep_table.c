@@ -56,7 +56,8 @@ static char *unquote(char *cell)
     return end + 1;
 }
 
-/* Cuts the next cell off the line; false behind the last one. */
+/* Cuts the next cell off a line of the table and moves *line behind the comma. A cell may be in quotation
+ * marks, inside which commas do not count. False behind the last cell. */
 static bool next_cell(char **line, struct cell *cell)
 {
     if (!*line) return false;
@@ -70,6 +71,7 @@ static bool next_cell(char **line, struct cell *cell)
     return true;
 }
 
+/* Refuses something in the current line of the sweep's table. */
 static cml_status fail_at(const struct cml_text *text, const char *field, const char *value,
                           const char *expected, struct cml_error *err)
 {
@@ -123,7 +125,7 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
                    "a name without quotation marks, which is set: those in quotation marks are labels", err);
 }
 
-/* Reads the line of names, the first line of the table. */
+/* Reads the first line of the table of a sweep: the names of the columns. */
 static cml_status read_header(struct cml_sweep_table *table, struct cml_error *err)
 {
     char *line = next_line(&table->text);
@@ -168,6 +170,7 @@ static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml
     return fail_at(&table->text, "number of cells", value, expected, err);
 }
 
+/* Reads the names of columns and all rows of a sweep. */
 static cml_status read_table(struct cml_sweep_table *table, struct cml_error *err)
 {
     CML_TRY(read_header(table, err));
@@ -176,6 +179,7 @@ static cml_status read_table(struct cml_sweep_table *table, struct cml_error *er
     return fail_at(&table->text, "the first row", NULL, "a value for every name", err);
 }
 
+/* Reads the table of --sweep: a row of names, then a row of values for each run. */
 cml_status cml_sweep_table_read(const struct cml_text_source *source, const char *path,
                                 struct cml_sweep_table *table, struct cml_error *err)
 {
@@ -186,6 +190,7 @@ cml_status cml_sweep_table_read(const struct cml_text_source *source, const char
     return status;
 }
 
+/* Frees a table of --sweep. */
 void cml_sweep_table_clear(struct cml_sweep_table *table)
 {
     cml_text_clear(&table->text);
@@ -196,6 +201,8 @@ void cml_sweep_table_clear(struct cml_sweep_table *table)
     *table = (struct cml_sweep_table){0};
 }
 
+/* Returns a cell of the table as a setting that remembers its line and column for messages. Its value points
+ * into the table. */
 struct cml_setting cml_sweep_cell(const struct cml_sweep_table *table, int row, int column)
 {
     struct cml_setting setting = {

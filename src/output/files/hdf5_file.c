@@ -82,9 +82,9 @@ static void choose_chunk(const struct cml_field *field, hsize_t *chunk)
     }
 }
 
-/* Creates a data set without times, so that the same fields give the same bytes. Data are shuffled (all first
- * bytes, all second bytes, ...) before deflate, which then finds the digits that neighbours share; level 1 is
- * the fastest. A single number stands in the header of its data set, which has a checksum. */
+/* Creates the data set of a field, without times, so that the same fields give the same bytes. Data are
+ * shuffled (all first bytes, all second bytes, ...) before compression, which then finds the digits that
+ * neighbours share. A single number stands in the data set's header, which has a checksum. */
 static hid_t create_dataset(struct writer *w, const struct cml_field *field, const hsize_t *chunk)
 {
     hsize_t size[CML_FIELD_AXES];
@@ -262,7 +262,8 @@ static void write_call_text(struct writer *w, hid_t group, const char *name, con
     check(w, H5Tclose(type));
 }
 
-/* Writes the group `call`. */
+/* Writes the group `call`: the command line and the name of the input file. Only this group differs between
+ * equal runs. */
 static void write_call(struct writer *w, const struct cml_hdf5_call *call)
 {
     const hid_t properties = made(w, H5Pcreate(H5P_GROUP_CREATE));
@@ -274,6 +275,8 @@ static void write_call(struct writer *w, const struct cml_hdf5_call *call)
     check(w, H5Pclose(properties));
 }
 
+/* Writes attributes (texts or numbers), the group `call` and all fields to an open file, until one fails.
+ * w->failed remembers the first failure. */
 static void write_all(struct writer *w, const struct cml_attribute *attributes, int num_attributes,
                       const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields)
 {
@@ -317,11 +320,13 @@ static herr_t keep_image(void *image, H5FD_file_image_op_t why, void *writer)
     return 0;
 }
 
+/* Gives HDF5 our own writer where it would make a copy. */
 static void *same_writer(void *writer)
 {
     return writer;
 }
 
+/* Keeps the writer when HDF5 would free its copy: HDF5 gets this program's own writer (same_writer). */
 static herr_t keep_writer(void *writer)
 {
     (void)writer;
@@ -369,7 +374,7 @@ static void close_file(struct writer *w)
     if (w->size == 0) w->failed = true;
 }
 
-/* Writes the finished file to the disk. */
+/* Writes the file that HDF5 has built in memory to the disk, unless a step of building it failed. */
 static cml_status publish(const char *path, const struct writer *w, struct cml_error *err)
 {
     struct cml_file file;
@@ -382,6 +387,8 @@ static cml_status publish(const char *path, const struct writer *w, struct cml_e
     return cml_file_commit(&file, err);
 }
 
+/* Writes an HDF5 file: HDF5 builds the file in memory, then `publish` writes it to the disk. `buffer` holds
+ * a chunk of doubles, and behind them the same numbers as floats. */
 cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
                           const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields,
                           struct cml_error *err)

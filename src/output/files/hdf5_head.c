@@ -41,7 +41,7 @@ static bool read_attribute(hid_t file, const char *name, hid_t wanted, void *val
     return good;
 }
 
-/* Reads an attribute of one text that is shorter than `size`. */
+/* Reads an attribute that is one text into value[size]. False if it is missing or too long. */
 static bool read_text(hid_t file, const char *name, size_t size, char *value)
 {
     const hid_t text = H5Tcopy(H5T_C_S1);
@@ -76,7 +76,7 @@ static bool is_chunk_sound(hid_t dataset, hid_t space, hsize_t i, unsigned char 
            uncompress(bytes, &inflated, stored, (uLong)size) == Z_OK;
 }
 
-/* Inflates every chunk of a data set: zlib then compares its checksum. */
+/* Checks a compressed data set by unpacking every chunk: zlib then compares its checksum. */
 static bool are_chunks_sound(hid_t dataset)
 {
     unsigned char *stored = malloc(MOST_STORED + MOST_BYTES);
@@ -107,6 +107,8 @@ static bool is_array_sound(hid_t file, const char *name, const char *ending)
     return sound;
 }
 
+/* Reads the number of photons and the identity of a result, and checks that its totals and the named arrays
+ * are undamaged. Returns false if the file is missing or damaged: a merge must not trust it. */
 bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, struct cml_hdf5_head *head)
 {
     memset(head, 0, sizeof *head);
@@ -121,6 +123,7 @@ bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, 
     return good;
 }
 
+/* True if the file is an HDF5 file that another program wrote; a run must not overwrite such a file. */
 bool cml_hdf5_is_foreign(const char *path)
 {
     char source[128] = "";

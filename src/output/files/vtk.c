@@ -49,12 +49,14 @@ static void describe_fields(struct layout *layout, const struct cml_field *field
     fprintf(layout->out, "      </CellData>\n");
 }
 
+/* Writes the size of an array, which precedes its data in a VTK file. */
 static void put_size(FILE *out, uint64_t bytes)
 {
     fwrite(&bytes, sizeof bytes, 1, out);
 }
 
-/* Writes a field in blocks, so that it is never in memory as a whole. */
+/* Writes the numbers of a field in single precision, in blocks of BLOCK, so that a large field is never in
+ * memory as a whole. */
 static void put_field(FILE *out, const struct cml_field *field)
 {
     enum { BLOCK = 1024 };
@@ -83,11 +85,13 @@ static void begin_file(FILE *out, const char *type, const char *comment)
             type, little ? "LittleEndian" : "BigEndian", type);
 }
 
+/* Ends the description of arrays and begins their binary data. */
 static void begin_data(FILE *out, const char *type)
 {
     fprintf(out, "    </Piece>\n  </%s>\n  <AppendedData encoding=\"raw\">\n   _", type);
 }
 
+/* Ends a VTK file with the line by which readers see that the file is whole. */
 static cml_status end_file(struct cml_file *file, struct cml_error *err)
 {
     fprintf(file->stream, "\n  </AppendedData>\n" LAST_LINE);
@@ -116,6 +120,8 @@ cml_status cml_vti_write(const char *path, const char *comment, const struct cml
     return end_file(&file, err);
 }
 
+/* Writes the XML elements of a mesh's points and polygons. The numbers themselves follow later in the file,
+ * as binary data. */
 static void describe_faces(struct layout *layout, const struct cml_faces *faces)
 {
     fprintf(layout->out, "      <Points>\n");
@@ -143,7 +149,8 @@ static void put_faces(FILE *out, const struct cml_faces *faces)
     }
 }
 
-/* Points have 64 bits: in 32 bits a small facet far from the axis would lose its shape. */
+/* Writes points and polygons with fields as a .vtp file. Points have 64 bits: in 32 bits a small facet far
+ * from the axis would lose its shape. */
 cml_status cml_vtp_write(const char *path, const char *comment, const struct cml_faces *faces,
                          const struct cml_field *fields, int num_fields, struct cml_error *err)
 {
@@ -162,6 +169,7 @@ cml_status cml_vtp_write(const char *path, const char *comment, const struct cml
     return end_file(&file, err);
 }
 
+/* True if a VTK file begins with the given comment, by which a run recognises its own file. */
 bool cml_vtk_has_comment(const char *path, const char *comment)
 {
     char expected[128], found[sizeof expected];
@@ -173,6 +181,7 @@ bool cml_vtk_has_comment(const char *path, const char *comment)
     return count == length && memcmp(found, expected, length) == 0;
 }
 
+/* True if a VTK file ends with the last line that the writer writes, so that nothing was cut off. */
 bool cml_vtk_is_whole(const char *path)
 {
     char found[sizeof LAST_LINE];

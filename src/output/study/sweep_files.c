@@ -50,6 +50,7 @@ static bool is_of_media(const char *name)
            (strncmp(name, "flux_body", 9) == 0 && is_ending(name + 9)) || strcmp(name, "side") == 0;
 }
 
+/* True if a column of a sweep's results already has this name; a swept setting must have another one. */
 bool cml_sweep_is_of_results(const char *name)
 {
     for (int t = 0; t < cml_num_totals(true); t++) {
@@ -63,6 +64,7 @@ bool cml_sweep_is_of_results(const char *name)
            strcmp(name, "call") == 0;
 }
 
+/* Replaces each / in a name by _, because / separates groups in HDF5. */
 void cml_sweep_h5_name(char *name)
 {
     while ((name = strchr(name, '/'))) *name = '_';
@@ -92,7 +94,8 @@ static int count_of(const struct cml_sweep_results *r, enum cml_recorded kind)
     return (int)most;
 }
 
-/* Writes the name of number i of a kind, such as "layer2.A". */
+/* Writes the column name of number i of a kind, such as "layer2.A". Total Tt_expected is number 0 of the
+ * expected values; those of layers follow. */
 static void name_number(const struct cml_sweep_results *r, enum cml_recorded kind, int i, char name[64])
 {
     static const char *const media[] = {
@@ -109,7 +112,8 @@ static void name_number(const struct cml_sweep_results *r, enum cml_recorded kin
         snprintf(name, 64, media[kind], i + 1);
 }
 
-/* Writes the line of column names of the .csv. */
+/* Writes the first line of the .csv: the names of swept settings, then each result with its standard error
+ * (_se). */
 static void write_names(FILE *out, const struct cml_sweep_results *r)
 {
     fputs("row", out);
@@ -128,7 +132,8 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
     fputs(",lost,file\n", out);
 }
 
-/* Writes a row. count: columns of every kind. */
+/* Writes a row of the .csv. A row that lacks a number which other rows have gets 0. count: number of columns
+ * of each kind. */
 static void write_row(FILE *out, const struct cml_sweep_results *r, const int count[CML_NUM_RECORDED],
                       int row)
 {
@@ -150,6 +155,7 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, const int co
     fputc('\n', out);
 }
 
+/* Writes the results of a sweep as a table of comma-separated values, one line for each row of the sweep. */
 cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results *results,
                                struct cml_error *err)
 {
@@ -183,7 +189,8 @@ static size_t find_values(const struct grid *grid, int column, double *values)
     return cml_sort_distinct(values, rows);
 }
 
-/* Makes axes of the columns that have more than one value. False: there are none, or too many. */
+/* Finds the columns that have more than one value, which become axes of the grid. False if there are none,
+ * or too many. */
 static bool find_axes(struct grid *grid)
 {
     const struct cml_sweep_results *r = grid->results;
@@ -200,7 +207,8 @@ static bool find_axes(struct grid *grid)
     return grid->num_axes > 0;
 }
 
-/* Finds the row at each place of the array. False: a place has no row, or two. */
+/* Finds the row of the table for each place of the grid of settings. False if a place has no row or two: the
+ * rows then form no grid. */
 static bool place_rows(struct grid *grid)
 {
     const struct cml_sweep_results *r = grid->results;
@@ -266,11 +274,13 @@ static double *add_over(struct fields *list, const struct cml_axis *axis, const 
     return value;
 }
 
+/* Adds a field over the axes of the grid alone. */
 static double *add(struct fields *list, const char *name, const char *long_name, const char *units)
 {
     return add_over(list, NULL, NULL, name, long_name, units);
 }
 
+/* True if this column of a sweep's table has become an axis of the grid. */
 static bool is_axis(const struct grid *grid, int column)
 {
     for (int a = 0; a < grid->num_axes; a++)
@@ -364,7 +374,8 @@ static bool is_numeric(const struct cml_sweep_results *r, int column)
     return true;
 }
 
-/* Adds all fields of the .h5. */
+/* Adds all fields of the sweep's .h5: results, swept settings that are no axis, numeric labels, and photons,
+ * seed, lost packets and row number. */
 static void fill(struct fields *list)
 {
     const struct grid *grid = list->grid;
@@ -401,6 +412,8 @@ static cml_status write_h5(const char *path, const struct grid *grid, struct fie
     return cml_hdf5_write(path, attributes, count, &r->call, list->field, list->count, err);
 }
 
+/* Writes the results of a sweep as HDF5. If the rows form a full grid of settings, each setting becomes an
+ * axis; otherwise the rows are the only axis. `most` bounds the number of fields. */
 cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *results,
                               struct cml_error *err)
 {

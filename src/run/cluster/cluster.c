@@ -29,6 +29,7 @@ static struct {
 /* Sums of cells (128-bit integers) and of summaries are operations of our own, because MPI has no integers of
  * 128 bits. To MPI their types are bytes. Both operations commute, as MPI_Op_create is told. */
 
+/* Adds 128-bit sums of one rank to those of another, for MPI_Reduce; MPI itself has no 128-bit numbers. */
 static void add_cells(void *in, void *inout, int *count, MPI_Datatype *type)
 {
     (void)type;
@@ -41,6 +42,7 @@ static void add_cells(void *in, void *inout, int *count, MPI_Datatype *type)
     }
 }
 
+/* Adds the summaries (balance, counts, lost packets) of one rank to those of another, for MPI_Reduce. */
 static void add_summaries(void *in, void *inout, int *count, MPI_Datatype *type)
 {
     (void)type;
@@ -105,7 +107,8 @@ static cml_status join_world(struct cml_error *err)
     return cml_service_start(err);
 }
 
-/* Without a launcher MPI is not even initialised. A single rank under a launcher gets no service thread. */
+/* Begins MPI if a launcher has started the program; without a launcher MPI is not even initialised. A single
+ * rank under a launcher gets no service thread. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
     if (!cml_launcher_found()) return cml_launcher_check(1, err);
@@ -128,6 +131,8 @@ void cml_cluster_await_launcher(void)
     for (double waited = 0; waited < 2 * cml_ranks.timeout; waited += 0.1) cml_cluster_sleep(0.1);
 }
 
+/* Ends MPI. If contact to a rank was lost, aborts all ranks instead, because MPI_Finalize would wait for the
+ * lost one forever. */
 void cml_cluster_end(cml_status status)
 {
     int begun = 0;
@@ -147,11 +152,13 @@ static bool is_single(void)
     return cml_ranks.size == 1 || atomic_load(&cml_ranks.alone);
 }
 
+/* Returns the number of this rank; 0 while it works alone. */
 int cml_cluster_rank(void)
 {
     return atomic_load(&cml_ranks.alone) ? 0 : cml_ranks.rank;
 }
 
+/* Returns the number of ranks; 1 while this rank works alone. */
 int cml_cluster_size(void)
 {
     return atomic_load(&cml_ranks.alone) ? 1 : cml_ranks.size;
@@ -177,6 +184,7 @@ void cml_cluster_set_timeout(double seconds)
     cml_ranks.timeout = seconds;
 }
 
+/* True if some rank has not been heard of for too long. */
 bool cml_cluster_contact_lost(void)
 {
     return atomic_load(&cml_ranks.lost_rank) >= 0;
@@ -184,8 +192,9 @@ bool cml_cluster_contact_lost(void)
 
 /* ---- together ---- */
 
-/* MPI_MAXLOC finds the worst status (the largest number) and the lowest rank that has it; this rank then
- * broadcasts its message. After contact is lost, every rank returns its own status. */
+/* Returns the worst status of all ranks on all ranks, with its message. MPI_MAXLOC finds the largest status
+ * and the lowest rank that has it, which then sends its message. After contact is lost, every rank returns
+ * its own status. */
 cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
 {
     if (is_single()) return mine;
@@ -202,7 +211,7 @@ cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
     return (cml_status)worst.status;
 }
 
-/* Sends the data in slices, because MPI counts with an int. */
+/* Copies `size` bytes of rank 0 to all ranks: in slices, because MPI counts with an int. */
 cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
 {
     MPI_Request call;
@@ -215,7 +224,8 @@ cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
     return CML_OK;
 }
 
-/* Sends the size first. All ranks agree that each has the memory before the block follows. */
+/* Sends a block from rank 0 to all ranks, which allocate it. The size goes first, and all ranks agree that
+ * they have the memory. */
 cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error *err)
 {
     cml_status status = CML_OK;
@@ -229,7 +239,8 @@ cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error 
     return cml_cluster_share(*block, *size, err);
 }
 
-/* Gathers the blocks with one call of MPI, because they are small (a report per rank). */
+/* Gathers a block of each rank on rank 0, with one call of MPI, because the blocks are small (a report per
+ * rank). */
 cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct cml_error *err)
 {
     if (is_single()) {
@@ -251,7 +262,8 @@ static cml_status sum_elements(void *elements, int count, MPI_Datatype type, MPI
     return CML_COMPLETE(MPI_Ireduce(from, elements, count, type, op, 0, MPI_COMM_WORLD, &call), &call, err);
 }
 
-/* Adds in slices: MPI would otherwise hold a second copy of the result, which may fill half of the memory. */
+/* Adds the results of all ranks on rank 0, in slices: MPI would otherwise hold a second copy of the result,
+ * which may fill half of the memory. */
 cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
 {
     if (is_single()) return CML_OK;

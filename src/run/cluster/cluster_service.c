@@ -33,6 +33,7 @@ static struct {
     void *handler_context;
 } service = {.handler_lock = PTHREAD_MUTEX_INITIALIZER};
 
+/* Sleeps for some seconds, which leaves the core to other threads. */
 void cml_cluster_sleep(double seconds)
 {
     const struct timespec t = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
@@ -41,6 +42,7 @@ void cml_cluster_sleep(double seconds)
 
 /* ---- waiting ---- */
 
+/* Makes an error message from an error code of MPI. */
 static cml_status fail_mpi(int code, struct cml_error *err)
 {
     char text[MPI_MAX_ERROR_STRING] = "";
@@ -49,6 +51,7 @@ static cml_status fail_mpi(int code, struct cml_error *err)
     return cml_fail(err, CML_E_IO, "MPI failed (%s)", text);
 }
 
+/* Makes the error message of a rank that has not been heard of for too long. */
 cml_status cml_cluster_fail_contact_lost(struct cml_error *err)
 {
     const int rank = atomic_load(&cml_ranks.lost_rank);
@@ -123,8 +126,8 @@ static void receive_heartbeats(void)
     }
 }
 
-/* Answers all requests, on rank 0. Each reply is waited for, with the same watch for lost ranks as every
- * other call. */
+/* Answers the requests of work that other ranks send to rank 0. Each reply is waited for, with the same
+ * watch for lost ranks as every other call. */
 static void answer_requests(void)
 {
     struct cml_work_request request;
@@ -167,6 +170,7 @@ static int first_peer(void)
     return cml_ranks.rank == 0 ? 1 : 0;
 }
 
+/* Returns the end of the list of ranks that this rank watches: rank 0 watches all, the others only rank 0. */
 static int end_of_peers(void)
 {
     return cml_ranks.rank == 0 ? cml_ranks.size : 1;
@@ -188,8 +192,9 @@ static void check_heartbeats(void)
         if (service.clock - service.peer[i].heard > cml_ranks.timeout) atomic_store(&cml_ranks.lost_rank, i);
 }
 
-/* The service thread. Its clock advances by at most 0.1 s a round: a process that was stopped (SIGSTOP, a
- * suspended machine) must not find all others silent on waking. */
+/* Runs the service thread of a rank, which answers requests and exchanges signs of life. Its clock advances
+ * by at most 0.1 s a round: a process that was stopped for a while (a suspended machine) must not find all
+ * others silent on waking. */
 static void *serve(void *unused)
 {
     double last = cml_now();
@@ -206,7 +211,8 @@ static void *serve(void *unused)
     return unused;
 }
 
-/* Makes the peers before the thread, which alone uses them afterwards. */
+/* Starts the service thread of this rank. The list of peers is made before, since only the thread uses it
+ * afterwards. */
 cml_status cml_service_start(struct cml_error *err)
 {
     const size_t peers = (size_t)end_of_peers();
@@ -219,7 +225,8 @@ cml_status cml_service_start(struct cml_error *err)
     return CML_OK;
 }
 
-/* Receives the heartbeats that were still under way: MPI_Finalize wants every message received. */
+/* Receives the heartbeats (signs of life of other ranks) that were still under way: MPI_Finalize wants every
+ * message received. */
 static void drain(void)
 {
     uint64_t number = 0;
@@ -251,6 +258,7 @@ void cml_cluster_request_sync(void)
         cml_cluster_recall();
 }
 
+/* Asks all ranks to end what they do alone and to meet. Even numbers of meetings mean no stop. */
 void cml_cluster_recall(void)
 {
     raise_requested(2 * (atomic_load(&service.syncs_done) + 1));
@@ -262,6 +270,8 @@ static bool all_requested(void)
     return atomic_load(&service.syncs_requested) / 2 > atomic_load(&service.syncs_done);
 }
 
+/* Asks all ranks to meet and then to stop. An odd number of a meeting means a stop. A rank that works alone
+ * sets its own flag, bit 1 (value 2). */
 void cml_cluster_request_stop(void)
 {
     if (atomic_load(&cml_ranks.alone))
@@ -270,23 +280,28 @@ void cml_cluster_request_stop(void)
         raise_requested(2 * (atomic_load(&service.syncs_done) + 1) + 1);
 }
 
+/* True if a stop was requested: by the flag of a rank that works alone, or by an odd number of the next
+ * meeting. */
 bool cml_cluster_stop_requested(void)
 {
     if (atomic_load(&cml_ranks.alone)) return atomic_load(&cml_ranks.alone_sync) & 2;
     return all_requested() && atomic_load(&service.syncs_requested) % 2 == 1;
 }
 
+/* Begins or ends a stretch in which this rank works by itself, as if it were the only one. */
 void cml_cluster_alone(bool alone)
 {
     atomic_store(&cml_ranks.alone, alone);
     atomic_store(&cml_ranks.alone_sync, 0);
 }
 
+/* True if this rank works alone and was asked to meet the others. */
 bool cml_cluster_recalled(void)
 {
     return atomic_load(&cml_ranks.alone) && all_requested();
 }
 
+/* True if all ranks were asked to meet. */
 bool cml_cluster_sync_requested(void)
 {
     return atomic_load(&cml_ranks.alone) ? atomic_load(&cml_ranks.alone_sync) != 0 : all_requested();
@@ -319,7 +334,8 @@ void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
     pthread_mutex_unlock(&service.handler_lock);
 }
 
-/* Posts the receive before the request is sent, so that the reply finds its buffer. */
+/* Sends a request for work to rank 0 and waits for the reply. The receive is posted before the request is
+ * sent, so that the reply finds its buffer. */
 cml_status cml_cluster_request(const struct cml_work_request *request, struct cml_work_reply *reply,
                                struct cml_error *err)
 {

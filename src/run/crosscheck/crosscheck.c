@@ -92,6 +92,7 @@ static cml_status open_sides(struct fates *fates, struct cml_error *err)
     return CML_OK;
 }
 
+/* Closes the engines that were compared, and frees their records. */
 static void close_sides(struct fates *fates)
 {
     for (int s = 0; s < fates->setup->num_sides; s++) {
@@ -152,6 +153,7 @@ static cml_status compare_fates(const struct cml_check_setup *setup, struct cml_
     return status;
 }
 
+/* Returns a - b of two unsigned sums as a number with a sign. */
 static double difference(cml_u128 a, cml_u128 b)
 {
     return a >= b ? (double)(a - b) : -(double)(b - a);
@@ -188,7 +190,8 @@ static void compare_profile(const char *name, const cml_u128 *a, const cml_u128 
     }
 }
 
-/* Compares all profiles. Grids over two variables have no batches and are left out. */
+/* Compares all profiles of two runs bin by bin, and keeps the bin that differs most. Grids over two
+ * variables have no batches and are left out. */
 static void compare_bins(const struct cml_result *first, const struct cml_result *other,
                          struct cml_check_pair *pair)
 {
@@ -245,7 +248,7 @@ cml_status cml_crosscheck(const struct cml_check_setup *setup, struct cml_check_
     return CML_OK;
 }
 
-/* A run that was not made is zero, and clearing it does nothing. */
+/* Frees the results of a cross-check. A run that was not made is zero, and freeing it does nothing. */
 void cml_check_clear(struct cml_check_result *result)
 {
     for (int s = 0; s < CML_CHECK_MOST_SIDES; s++) cml_run_result_free(&result->runs[s]);

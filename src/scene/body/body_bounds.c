@@ -23,6 +23,7 @@ struct encounter {
     double at[3];              /* place of a failure, scene coordinates, cm */
 };
 
+/* Refuses a body that meets a boundary. what: "meets", "lies above" and the like. */
 static cml_status fail_encounter(const struct encounter *e, const char *what, struct cml_error *err)
 {
     return cml_fail(err, CML_E_INPUT,
@@ -35,7 +36,8 @@ static cml_status fail_encounter(const struct encounter *e, const char *what, st
  * for gaps between bodies. */
 static const double err_share = 64 * DBL_EPSILON;
 
-/* Compares the body's box with a plane. The reported place is the middle of the box, moved to the plane. */
+/* Refuses a body whose box does not lie on its own side of a plane boundary. The reported place is the
+ * middle of the box, moved to the plane. */
 static cml_status compare_with_plane(struct encounter *e, double z, struct cml_error *err)
 {
     const double *lower = e->lower, *upper = e->upper;
@@ -85,7 +87,8 @@ static cml_status compare_sphere_with_field(struct encounter *e, struct cml_erro
     return fail_encounter(e, apart ? "lies beyond" : "meets", err);
 }
 
-/* Compares a body's mesh with a radial heightfield: the gap and the side at once (overlap_radial.h). */
+/* Refuses a body that is a mesh if it meets a radial heightfield or lies beyond it: the smallest gap tells
+ * both. */
 static cml_status compare_mesh_with_field(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
@@ -104,7 +107,8 @@ struct facets {
     bool meets;
 };
 
-/* Compares the body with one facet of the boundary: a cml_boxtree_visit. */
+/* Notes if a sphere or cylinder meets one facet of the boundary. The search among the facets' boxes calls it
+ * for each facet that comes near. */
 static void compare_with_facet(void *context, uint32_t t)
 {
     struct facets *facets = context;
@@ -152,7 +156,7 @@ static bool lies_beyond(struct encounter *e, const struct cml_sheet *body)
     return false;
 }
 
-/* Compares a body's mesh with a mesh boundary. */
+/* Refuses a body that is a mesh if it meets a boundary that is a mesh, too, or lies beyond the boundary. */
 static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
@@ -167,7 +171,8 @@ static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_
     return beyond ? fail_encounter(e, "lies beyond", err) : CML_OK;
 }
 
-/* Compares meshes, and cylinders as prisms, with a boundary that is not a plane. */
+/* Refuses a body that meets a boundary that is not a plane; the body is a mesh, or a cylinder taken as a
+ * prism around it. */
 static cml_status compare_mesh(struct encounter *e, struct cml_error *err)
 {
     struct cml_mesh mesh;
@@ -178,7 +183,8 @@ static cml_status compare_mesh(struct encounter *e, struct cml_error *err)
     return status;
 }
 
-/* Reports a body that overlaps a tile's depths. A tile has no triangles to compare the body with. */
+/* Refuses a body that reaches the depths of a repeated heightmap. A tile has no triangles to compare the
+ * body with, so its whole range of depths counts. */
 static cml_status fail_at_tile(const struct encounter *e, struct cml_error *err)
 {
     return cml_fail(
@@ -202,6 +208,8 @@ static cml_status compare(struct encounter *e, struct cml_error *err)
     return form == CML_FORM_MESH ? compare_sphere_with_sheet(e, err) : compare_sphere_with_field(e, err);
 }
 
+/* Finds between which depths a boundary lies: `top` is the smallest and `bottom` the greatest depth of its n
+ * heights. */
 static void take_heights(struct encounter *e, const double *h, size_t n)
 {
     e->top = INFINITY;
@@ -212,7 +220,8 @@ static void take_heights(struct encounter *e, const double *h, size_t n)
     }
 }
 
-/* Sets the boundary's depths and, for a mesh, its sheet. */
+/* Prepares a boundary for comparison with bodies: the depths between which it lies and, if it is a mesh, its
+ * search structure. */
 static cml_status prepare(struct encounter *e, struct cml_error *err)
 {
     const struct cml_boundary *boundary = e->boundary;
@@ -227,7 +236,7 @@ static cml_status prepare(struct encounter *e, struct cml_error *err)
     return CML_OK;
 }
 
-/* Compares all bodies that lie directly in a layer with one of its boundaries. */
+/* Refuses bodies that lie directly in a layer and meet boundary `number`, the one above or below it. */
 static cml_status check_boundary(const struct cml_scene *scene, int layer, int number, struct cml_error *err)
 {
     const struct cml_body_range bodies = cml_layer_bodies(scene, layer);
@@ -242,6 +251,7 @@ static cml_status check_boundary(const struct cml_scene *scene, int layer, int n
     return status;
 }
 
+/* Refuses bodies that touch or cross the boundary above or below their layer. */
 cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_error *err)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {
@@ -251,6 +261,7 @@ cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_erro
     return CML_OK;
 }
 
+/* Does the checks of shapes that take time: slopes, overlaps of boundaries, and bodies against boundaries. */
 cml_status cml_scene_check_shapes(const struct cml_scene *scene, struct cml_error *err)
 {
     CML_TRY(cml_scene_check_steepness(scene, err));

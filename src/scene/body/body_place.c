@@ -27,6 +27,8 @@ struct placing {
     struct cml_error *err;
 };
 
+/* Prepares body k for comparison with other bodies: its box's volume, by which bodies are ordered, and for a
+ * mesh its sheet. */
 static cml_status make_solid(const struct cml_scene *scene, int k, struct cml_sheet *sheet,
                              struct solid *solid, struct cml_error *err)
 {
@@ -40,6 +42,8 @@ static cml_status make_solid(const struct cml_scene *scene, int k, struct cml_sh
     return cml_sheet_create(&body->mesh, 0, sheet, err);
 }
 
+/* Refuses two bodies that touch or overlap at the place `at`. The message is about the line that comes later
+ * in the file. */
 static cml_status fail_pair(const struct cml_scene *scene, const struct solid *a, const struct solid *b,
                             enum cml_convex_order order, const double at[3], struct cml_error *err)
 {
@@ -61,7 +65,8 @@ struct facets {
     double *at;
 };
 
-/* Compares a sphere or cylinder with one facet of a mesh: a cml_boxtree_visit. */
+/* Notes how a sphere or cylinder lies to one facet of a mesh. The search among the facets' boxes calls it
+ * for each facet that comes near. */
 static void compare_with_facet(void *context, uint32_t t)
 {
     struct facets *facets = context;
@@ -74,8 +79,8 @@ static void compare_with_facet(void *context, uint32_t t)
     facets->inside += order == CML_CONVEX_FIRST_INSIDE;
 }
 
-/* Tells how a sphere or cylinder lies to a mesh. If no triangle meets its surface, either all triangles lie
- * inside it, or none does and it lies wholly on one side of the mesh. */
+/* Tells how a sphere or cylinder lies to a mesh; at: a common point, if they meet. If no triangle meets its
+ * surface, either all triangles lie inside it, or none does and it lies wholly on one side of the mesh. */
 static enum cml_convex_order compare_with_mesh(const struct cml_scene_body *body,
                                                const struct cml_sheet *sheet, double at[3])
 {
@@ -122,7 +127,9 @@ static enum cml_convex_order compare_meshes(const struct solid *a, const struct 
     return of_b == b->sheet->mesh->num_parts && of_a == 0 ? CML_CONVEX_SECOND_INSIDE : CML_CONVEX_OVERLAP;
 }
 
-/* Tells how two bodies of any form lie to each other. */
+/* Says how two bodies lie to each other: apart, one inside the other, or meeting; at: a common point, if
+ * they meet. For each pair of forms another function decides. The order is turned round if the arguments had
+ * to change places. */
 static enum cml_convex_order compare_solids(const struct solid *a, const struct solid *b, double at[3])
 {
     if (a->sheet && b->sheet) return compare_meshes(a, b, at);
@@ -137,7 +144,7 @@ static enum cml_convex_order compare_solids(const struct solid *a, const struct 
                                                : order;
 }
 
-/* Refuses a mesh that crosses or touches itself. */
+/* Refuses a body whose mesh crosses or touches itself. */
 static cml_status check_self(const struct cml_scene *scene, const struct solid *solid, struct cml_error *err)
 {
     struct cml_sheet_overlap overlap;
@@ -162,19 +169,22 @@ static int compare_volumes(const void *left, const void *right)
     return a->number - b->number;
 }
 
+/* Orders bodies by the medium or body that surrounds them, then by number. */
 static int compare_hosts(const void *left, const void *right)
 {
     const struct solid *a = left, *b = right;
     return a->host != b->host ? a->host - b->host : a->number - b->number;
 }
 
+/* Sorts the bodies, and puts their boxes in the new order. */
 static void sort(struct placing *p, int (*compare)(const void *, const void *))
 {
     qsort(p->solid, p->count, sizeof *p->solid, compare);
     for (size_t i = 0; i < p->count; i++) cml_body_box(p->solid[i].body, p->box[i][0], p->box[i][1]);
 }
 
-/* True if body i lies in body j, or if the comparison failed: a cml_boxtree_accept. */
+/* True if body i lies in body j, or if the comparison failed. The search for the smallest such body calls
+ * it. */
 static bool lies_in(void *context, uint32_t i, uint32_t j)
 {
     struct placing *p = context;
@@ -244,7 +254,8 @@ static cml_status compare_all(struct placing *p)
     return CML_OK;
 }
 
-/* Finds the hosts of all bodies. sheets: room for the sheets of all meshes. */
+/* Finds for each body the body or layer in which it lies, and refuses bodies that meet. sheets: room for the
+ * search structures of all mesh bodies. */
 static cml_status place(struct placing *p, struct cml_sheet *sheets)
 {
     for (size_t i = 0, meshes = 0; i < p->count; i++) {

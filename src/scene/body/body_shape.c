@@ -8,12 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Returns the word for a body's form. */
 const char *cml_body_form_name(enum cml_body_form form)
 {
     static const char *const names[] = {"mesh", "sphere", "cylinder"};
     return names[form];
 }
 
+/* Returns a sphere or cylinder in the form that geometry of convex sets uses; a cylinder with a unit axis
+ * and a length. */
 struct cml_convex cml_body_convex(const struct cml_scene_body *body)
 {
     struct cml_convex convex = {.form = CML_CONVEX_SPHERE, .radius = body->radius};
@@ -47,12 +50,15 @@ void cml_body_box(const struct cml_scene_body *body, double lower[3], double upp
     }
 }
 
+/* Returns a point of a body that serves to find what lies around the body, cm. */
 void cml_body_point(const struct cml_scene_body *body, double point[3])
 {
     cml_vec3_copy(body->form == CML_BODY_MESH ? body->mesh.vertex[0] : body->centre, point);
     if (body->form == CML_BODY_SPHERE) point[0] += body->radius;
 }
 
+/* Returns the volume of a body, cm^3. The volume of a mesh is the sum of signed tetrahedra from vertex 0 to
+ * each facet. */
 double cml_body_volume(const struct cml_scene_body *body)
 {
     const double r = body->radius;
@@ -69,7 +75,8 @@ double cml_body_volume(const struct cml_scene_body *body)
     return volume;
 }
 
-/* Fills in the corners of an icosahedron on the unit sphere, and its faces. */
+/* Gives the 12 corners and 20 faces of an icosahedron on the unit sphere, from which spheres are meshed. g:
+ * the golden ratio, of which the corners consist. */
 static void icosahedron(double corner[12][3], uint32_t face[20][3])
 {
     const double g = (1 + sqrt(5)) / 2, size = sqrt(1 + g * g);
@@ -171,7 +178,8 @@ static cml_status make_cylinder(const struct cml_scene_body *body, int n, double
     return CML_OK;
 }
 
-/* Scales the mesh about the body's centre to the body's volume. */
+/* Scales the mesh of a body about the body's centre until it has the volume of the exact body, which a mesh
+ * inside would not have. */
 static void scale_to_volume(const struct cml_scene_body *body, struct cml_mesh *mesh)
 {
     const struct cml_scene_body made = {.form = CML_BODY_MESH, .mesh = *mesh};

@@ -23,6 +23,7 @@ static double along_axis(const struct cml_convex *c, const double p[3], double a
     return along;
 }
 
+/* Finds the point of a solid sphere that is closest to p. */
 static void project_on_sphere(const struct cml_convex *c, const double p[3], double closest[3])
 {
     double d[3];
@@ -34,6 +35,8 @@ static void project_on_sphere(const struct cml_convex *c, const double p[3], dou
         cml_vec3_copy(p, closest);
 }
 
+/* Finds the point of a solid cylinder that is closest to p, by the parts of p along the axis and across
+ * it. */
 static void project_on_cylinder(const struct cml_convex *c, const double p[3], double closest[3])
 {
     double across[3];
@@ -79,6 +82,7 @@ static void project_on_triangle(const struct cml_convex *c, const double p[3], d
     cml_vec3_add_scaled(closest, w, ac, closest);
 }
 
+/* Finds the point of a convex set that is closest to p; p itself if p lies inside. */
 void cml_convex_project(const struct cml_convex *convex, const double p[3], double closest[3])
 {
     if (convex->form == CML_CONVEX_SPHERE)
@@ -89,6 +93,8 @@ void cml_convex_project(const struct cml_convex *convex, const double p[3], doub
         project_on_triangle(convex, p, closest);
 }
 
+/* Returns the distance from p to the surface of a sphere or cylinder, negative inside. Beyond the rim of a
+ * cylinder the closest point lies on its edge, hence hypot. */
 double cml_convex_distance(const struct cml_convex *convex, const double p[3])
 {
     double d[3];
@@ -217,6 +223,9 @@ static double reach_beyond(const struct cml_convex *outer, const struct cml_conv
     return most;
 }
 
+/* Says whether two convex sets lie apart, one inside the other, or meet. err_distance is the rounding that
+ * the decision allows for: a result within it counts as meeting, which is refused. A triangle has no
+ * inside. */
 enum cml_convex_order cml_convex_compare(const struct cml_convex *a, const struct cml_convex *b, double at[3])
 {
     const double err_distance = err_share * (size_of(a) + size_of(b));

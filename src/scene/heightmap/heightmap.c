@@ -56,6 +56,8 @@ static void swap_rows(struct cml_heightmap *map)
         }
 }
 
+/* Reverses the rows of a heightmap, since files begin at the top, and moves the middle of the map to x = y =
+ * 0. */
 void cml_heightmap_centre(struct cml_heightmap *map)
 {
     swap_rows(map);
@@ -63,8 +65,9 @@ void cml_heightmap_centre(struct cml_heightmap *map)
     map->y0 = -0.5 * (map->ny - 1) * map->dy;
 }
 
-/* A turn about the x axis changes the signs of y and of the heights. Because y is symmetric about the map's
- * middle, only the order of the rows changes. */
+/* Scales a heightmap, shifts it, and with `turn` turns it about the x axis so that it faces the other way.
+ * The turn changes the signs of y and of the heights; y is symmetric about the map's middle, so only the
+ * order of the rows changes. */
 void cml_heightmap_place(struct cml_heightmap *map, double scale, const double shift[3], bool turn)
 {
     const size_t count = (size_t)map->nx * (size_t)map->ny;

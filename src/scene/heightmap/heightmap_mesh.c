@@ -18,7 +18,8 @@ struct builder {
     bool out_of_memory;
 };
 
-/* Adds a triangle and marks the samples that it uses: a cml_split_visit. */
+/* Adds a triangle to the mesh of a heightmap, and marks the samples that it uses as vertices. cml_split_walk
+ * calls it for each triangle. */
 static void add_triangle(void *context, const size_t corner[3])
 {
     struct builder *b = context;
@@ -88,6 +89,7 @@ static void list_rim(struct builder *b)
 
 /* ---- the mesh ---- */
 
+/* Returns the place of a sample as a vertex. z points down, hence the sign of the height. */
 static void position_of(const struct cml_heightmap *map, size_t sample, double out[3])
 {
     const size_t nx = (size_t)map->nx;
@@ -208,7 +210,8 @@ static void note_errors(const struct cml_heightmap *map, double *surface, struct
     notes->slope_error = difference.slope_rms;
 }
 
-/* Merges triangles within the tolerance, and checks their number against the budget. */
+/* Joins small triangles of a heightmap to larger ones as far as the tolerance allows, and checks their
+ * number against the budget. */
 static cml_status merge(struct builder *b, double tolerance, const struct cml_mesh_budget *budget,
                         double *surface, struct cml_error *err)
 {
@@ -223,6 +226,7 @@ static cml_status merge(struct builder *b, double tolerance, const struct cml_me
     return cml_mesh_budget_check(budget, (double)with_skirt, "a larger --tolerance or --mesh-budget", err);
 }
 
+/* Frees what the builder of a mesh has used. */
 static void clear(struct builder *b, double *surface)
 {
     free(surface);

@@ -23,6 +23,8 @@ static struct point middle(struct point a, struct point b)
     return (struct point){(a.x + b.x) / 2, (a.y + b.y) / 2};
 }
 
+/* True if a point of the binary subdivision is a sample of the map; the subdivided square may be larger than
+ * the map. */
 static bool on_map(const struct cml_heightmap *map, struct point p)
 {
     return p.x < map->nx && p.y < map->ny;
@@ -127,7 +129,8 @@ static void square_at(int x, int y, int size, struct triangle half[2])
     half[1] = (struct triangle){low, high, {x, y + size}};
 }
 
-/* Computes the errors of all middles of a heightmap, from the smallest triangles upwards. */
+/* Computes for every sample how far the mesh would be off if the sample were left out, from the smallest
+ * triangles to the largest. */
 cml_status cml_split_create(const struct cml_heightmap *map, struct cml_split *split, struct cml_error *err)
 {
     const int cells = (map->nx < map->ny ? map->nx : map->ny) - 1;
@@ -178,7 +181,8 @@ static void fill_surface(const struct walk *walk, const struct triangle *t, int 
     fill_surface(walk, &half[1], depths - 1, zb, zc, zm);
 }
 
-/* Keeps a triangle as it is: fills in its heights and visits it. */
+/* Accepts a triangle of the mesh as fine enough: fills in the heights of the samples that it covers, and
+ * passes its corners to the caller. */
 static void keep_triangle(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = walk->split->map;

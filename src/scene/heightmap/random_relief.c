@@ -34,7 +34,7 @@ static double complex normal_pair(uint64_t *state)
 
 /* ---- Fourier transform ---- */
 
-/* Moves every element i to the index that has i's bits in reverse order. */
+/* Moves every element i to the index with i's bits in reverse order, as the fast Fourier transform needs. */
 static void reverse_bits(double complex *x, int n)
 {
     for (int i = 1, j = 0; i < n; i++) {
@@ -74,7 +74,7 @@ static void transpose(double complex *x, size_t n)
         }
 }
 
-/* Transforms x[n][n] along both axes. The result has rows and columns swapped. */
+/* Does the two-dimensional Fourier transform of x[n][n]. The result has rows and columns swapped. */
 static void transform_plane(double complex *x, const double complex *root, int n)
 {
     for (int axis = 0; axis < 2; axis++) {

@@ -13,6 +13,7 @@ static const double err_place = 1e-9;
 
 /* ---- one period ---- */
 
+/* Keeps the largest step in height between neighbouring samples in *most. */
 static void measure_step(const double *from, const double *to, double *most)
 {
     *most = fmax(*most, fabs(*to - *from));
@@ -55,6 +56,8 @@ static cml_status mirror(const char *path, struct cml_heightmap *map, struct cml
     return CML_OK;
 }
 
+/* Makes one period of a heightmap that is repeated over the plane. `mirrored`: the period becomes twice as
+ * long in x and y by mirror images, which makes its edges fit. */
 cml_status cml_tile_make(const char *path, bool mirrored, struct cml_heightmap *map,
                          struct cml_tile_notes *notes, struct cml_error *err)
 {
@@ -65,17 +68,20 @@ cml_status cml_tile_make(const char *path, bool mirrored, struct cml_heightmap *
     return CML_OK;
 }
 
+/* Returns the period of a repeated heightmap along an axis (0: x, 1: y), cm. */
 double cml_tile_period(const struct cml_heightmap *tile, int axis)
 {
     return axis == 0 ? tile->nx * tile->dx : tile->ny * tile->dy;
 }
 
+/* Returns i modulo n in 0..n - 1, also for negative i: the sample of a repeated heightmap. */
 static int64_t wrap(int64_t i, int n)
 {
     const int64_t rest = i % n;
     return rest < 0 ? rest + n : rest;
 }
 
+/* Returns the height of sample (i, j) of a heightmap repeated over the plane: any i and j are allowed. */
 double cml_tile_height(const struct cml_heightmap *tile, int64_t i, int64_t j)
 {
     return tile->h[wrap(j, tile->ny) * tile->nx + wrap(i, tile->nx)];
@@ -112,6 +118,8 @@ bool cml_tile_is_flat(const struct cml_heightmap *tile)
 
 /* ---- meshes ---- */
 
+/* Places the vertices of the cells' mesh: corners of the heightmap's samples, row by row. z points down, so
+ * that heights change their sign. */
 static void place_vertices(const struct cml_heightmap *tile, const struct cml_tile_cells *cells,
                            struct cml_mesh *mesh)
 {
@@ -140,6 +148,7 @@ static void place_triangles(const struct cml_heightmap *tile, const struct cml_t
         }
 }
 
+/* Makes a mesh of a rectangle of cells, with two triangles for each cell. */
 cml_status cml_tile_sheet(const struct cml_heightmap *tile, const struct cml_tile_cells *cells,
                           enum cml_normals normals, struct cml_mesh *mesh, struct cml_error *err)
 {
@@ -168,6 +177,8 @@ cml_status cml_tile_patch(const struct cml_heightmap *tile, const struct cml_til
     return status;
 }
 
+/* Returns the cells of the patch that queries search: one period with a margin on each side, and at least
+ * LEAST_WIDTH cells in x and y. */
 struct cml_tile_cells cml_tile_patch_cells(const struct cml_heightmap *tile)
 {
     const int n[2] = {tile->nx, tile->ny};
@@ -200,6 +211,8 @@ static double depth_at_middle(const struct cml_heightmap *tile, double z, int64_
     return z - (cml_tile_height(tile, i + one, j) + cml_tile_height(tile, i + 1 - one, j + 1)) / 2;
 }
 
+/* Keeps the smallest gap between two boundaries found so far, and its place in at[]. upper, lower: depths of
+ * the two boundaries at (x, y), cm. */
 static void keep_closest(double upper, double lower, double x, double y, double *gap, double at[3])
 {
     if (!(lower - upper < *gap)) return;
@@ -209,9 +222,9 @@ static void keep_closest(double upper, double lower, double x, double y, double 
     at[2] = upper;
 }
 
-/* Finds where two tiles come closest, at corners and middles of cells only. Both tiles are linear over the
- * same half cells or, where their diagonals differ, over the same quarters of cells. The gap is therefore
- * least at a corner or in the middle of a cell. */
+/* Finds where two tiles come closest; false if their grids differ. Corners and middles of cells are enough:
+ * both tiles are linear over the same half cells or, where their diagonals differ, over the same quarters of
+ * cells. */
 bool cml_tile_closest(const struct cml_heightmap *upper, double z_upper, const struct cml_heightmap *lower,
                       double z_lower, double *gap, double at[3])
 {

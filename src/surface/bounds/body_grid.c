@@ -100,7 +100,7 @@ struct part {
     size_t triangle;
 };
 
-/* Returns the distance of p from the surface of a part, cm. */
+/* Returns the distance of p from the surface of a part (sphere, cylinder or triangle), cm. */
 static double distance_to(const struct part *part, const double p[3])
 {
     double closest[3];
@@ -126,7 +126,8 @@ static void fill_cell(struct filling *f, const struct part *part, int x, int y, 
         cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
 }
 
-/* Fills the cells that a part's box touches, and BAND more cells around it. */
+/* Updates the cells that a part (sphere, cylinder or triangle) touches, and BAND more cells around it: the
+ * distance to the nearest surface. */
 static void fill_band(struct filling *f, const struct part *part)
 {
     int from[3], to[3];
@@ -136,7 +137,7 @@ static void fill_band(struct filling *f, const struct part *part)
             for (int x = from[0]; x <= to[0]; x++) fill_cell(f, part, x, y, z);
 }
 
-/* Adds each triangle of a mesh as a part with a box of its own. */
+/* Adds the triangles of a body's mesh to the parts that surround cells, each with its bounding box. */
 static void add_mesh(struct filling *f, int body)
 {
     const struct cml_mesh *mesh = &f->scene->bodies[body].mesh;
@@ -153,7 +154,7 @@ static void add_mesh(struct filling *f, int body)
     }
 }
 
-/* Adds a body, or each triangle of a body's mesh, to the cells in its band. */
+/* Adds a body to the cells near its surface: a sphere or cylinder as a whole, a mesh triangle by triangle. */
 static void add_body(struct filling *f, int body)
 {
     const struct cml_scene_body *from = &f->scene->bodies[body];
@@ -180,8 +181,9 @@ static void facet_corners(const struct filling *f, const struct cell_facet *face
             corner[k][i] = (mesh->vertex[mesh->triangle[facet->triangle][k]][i] - middle[i]) / f->cells->cell;
 }
 
-/* Makes the patches of meshes: first the mean normals, then the heights along them, then unit normals. A
- * patch of several facets is normalised several times, which changes nothing. */
+/* Bounds the facets of meshes in each cell by a patch, two parallel planes: first the mean normals, then the
+ * heights along them, then unit normals. A patch of several facets is normalised several times, which
+ * changes nothing. */
 static void make_mesh_patches(const struct filling *f)
 {
     double corner[3][3];
@@ -214,7 +216,8 @@ static void spread_row(float *row, size_t step, int n, float *scratch)
     for (int i = 0; i < n; i++) row[(size_t)i * step] = scratch[i];
 }
 
-/* Spreads distances along x, then y, then z. scratch: as long as the longest row. */
+/* Computes each cell's distance to the nearest marked cell from distances along x, then y, then z. scratch:
+ * as long as the longest row. */
 static void spread(const struct filling *f, float *scratch)
 {
     const int *n = f->cells->n;
@@ -241,7 +244,8 @@ static void find_distances(struct filling *f)
             fmaxf(0, fmaxf(fminf(f->closest[i], BEYOND), sqrtf(f->far[i])) - (float)CML_CELL_MARGIN);
 }
 
-/* Makes the ball of each cell. This is the last step, because a ball includes the patches of many cells. */
+/* Finds for each cell a ball around it that is free of surfaces, or in which two planes bound them. This is
+ * the last step, because a ball includes the patches of many cells. */
 static void make_balls(const struct filling *f, struct cml_body_ball *ball)
 {
     const int *n = f->cells->n;
@@ -264,8 +268,9 @@ static void prepare_cells(struct filling *f)
     }
 }
 
-/* Fills all cells of a layer: distances and patches of every body in it, then the balls that follow from
- * them. Returns CML_E_INPUT if memory runs out. */
+/* Fills the cells of layer `layer`: how far each cell is from any body, and what passes near. From that
+ * follows for each cell a ball that is free of surfaces. Bodies are entered first, then distances, then
+ * balls. */
 static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball, struct cml_error *err)
 {
     const int *n = f->cells->n;

@@ -60,6 +60,8 @@ static void add_cylinder(int body, const struct cml_convex *cylinder, const doub
         add_round(body, d, r, patch);
 }
 
+/* Adds a sphere or cylinder to what is known about the neighbourhood of a cell. A cell with a second body
+ * becomes mixed: packets there must ask the bodies themselves. Lengths are stored in widths of the cell. */
 void cml_patch_add_convex(int body, const struct cml_convex *convex, const double p[3], double cell,
                           struct cml_body_patch *patch)
 {
@@ -110,8 +112,8 @@ static inline void heights_over(double cosine, double distance, double lower, do
     range[1] = cml_larger(cosine * lower, cosine * upper) + aside;
 }
 
-/* Adds the heights of the whole facet or, if that range is smaller, of the part of the facet's plane within
- * reach. */
+/* Extends the two planes of a cell's patch so that a facet lies between them: by the heights of the facet's
+ * corners or, if smaller, of the facet's plane within reach of the cell. */
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch)
 {
     double normal[3], range[2], low = INFINITY, high = -INFINITY;
@@ -143,6 +145,8 @@ struct neighbour {
     double way[3], square;
 };
 
+/* Finds for each cell of a grid the next cell in its row, in the direction of x, that a surface may pass;
+ * n[0] if none follows. Packets skip the cells between. */
 void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *distance, int *next)
 {
     for (size_t row = 0; row < (size_t)n[2] * (size_t)n[1]; row++)
@@ -215,8 +219,8 @@ static double worth_of(const struct view *view, double radius)
     return radius - WORTH * (view->upper - view->lower);
 }
 
-/* Computes the view of a ball. Returns false if no surface reaches into the ball, if two planes cannot bound
- * the surfaces, or if the ball's value is below `most`. */
+/* Sees what surfaces reach into a ball around a cell, and bounds them by two planes. Returns false if there
+ * are none, if they belong to several bodies, or if the ball would be worth less than `most`. */
 static bool make_view(const struct neighbour *neighbour, int count, double radius, double most,
                       struct view *view)
 {

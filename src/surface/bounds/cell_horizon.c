@@ -85,7 +85,7 @@ static float steepest_nearby(const struct view *view, int x, int y)
     return most;
 }
 
-/* Finds `nearby` of all cells of a level. */
+/* Computes for all cells of a level the steepest slope under which cells close by are seen. */
 static void find_nearby(const struct view *view)
 {
     for (int y = 0; y < view->size; y++)
@@ -93,10 +93,10 @@ static void find_nearby(const struct view *view)
             view->nearby[cell_at(view->size, x, y)] = steepest_nearby(view, x, y);
 }
 
-/* Returns an upper bound of the slope at which any place of a cell (x, y) of the finest view sees another
+/* Returns the steepest slope (an upper bound) at which any place of the finest cell (x, y) sees another
  * place of the mesh. ground: a depth beyond which every packet in the cell lies, cm, positive towards the
- * packet's side. On each level, no slope exceeds that of the steepest facet above the cells that touch the
- * cell's parent, because the parts that this level sees lie above these cells. */
+ * packet's side. Each coarser level covers parts that lie further away: their furthest reach over their
+ * least distance, but no more than the slope of the steepest facet near the cell's parent. */
 static float steepest_view(const struct view *view, int levels, int x, int y, float ground)
 {
     float most = view[0].nearby[cell_at(view[0].size, x, y)];
@@ -139,9 +139,9 @@ static void join_steepest(const struct view *below, const struct view *view)
         }
 }
 
-/* Makes the views of all levels, beginning at the level of the horizons. Sets reach to the mesh's greatest
- * depth seen from below, or its greatest height seen from above. steepest: slopes of the first level.
- * scratch: [5][all cells]. Returns the number of views. */
+/* Makes the data for finding horizons on all levels of the pyramid, for one side: reach (the greatest depth
+ * seen from below, or height seen from above), slopes and what lies around. scratch: [5][all cells]. Returns
+ * the number of levels. */
 static int make_views(const struct cml_depth_pyramid *pyramid, const float *steepest, int side,
                       float *scratch, struct view *view)
 {
@@ -181,6 +181,8 @@ static void find_horizons(const struct cml_depth_pyramid *pyramid, const float *
         }
 }
 
+/* Computes for each cell how steeply a ray must go so that it certainly clears the rest of the boundary:
+ * seen from below and from above. steepest: greatest slope of the facets over each cell. */
 cml_status cml_find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest, float *below,
                              float *above, struct cml_error *err)
 {

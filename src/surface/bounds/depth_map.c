@@ -22,6 +22,8 @@ static const double err_cell = 1e-3;
  * each. */
 static const double err_depth = 1e-5;
 
+/* Returns the number of cells of a level of the map; each level has half as many cells along a side as the
+ * one below. */
 size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
 {
     const size_t side = (size_t)(map->size >> level);
@@ -212,8 +214,8 @@ static bool fills_its_box(const struct cml_mesh *mesh)
     return fabs(fabs(area) - box) <= 1e-9 * box;
 }
 
-/* Extends the cells' depth ranges to include a mesh and its outer plane. steepest: [cells of the horizons'
- * level] zeros on entry; becomes the slope of the steepest facet above each cell. */
+/* Bounds the depths of a mesh, and of the plane outside it, in the cells of the map. steepest: zeros on
+ * entry; becomes the slope of the steepest facet above each cell of the horizons' level. */
 static void cover_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map, float *steepest)
 {
     for (size_t i = 0; i < mesh->num_triangles; i++) {
@@ -250,6 +252,8 @@ static cml_status find_horizons(struct cml_depth_map *map, const float *steepest
     return cml_find_horizons(&pyramid, steepest, map->horizon[0], map->horizon[1], err);
 }
 
+/* Makes a map of the least and greatest depth of a mesh in square cells, by which most steps see that they
+ * stay clear of the mesh. Depths are widened by the rounding of the coordinates. */
 cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map,
                                  struct cml_error *err)
 {

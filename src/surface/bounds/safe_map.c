@@ -127,7 +127,8 @@ static bool is_far(const struct block *block, double safe)
     return safe >= FAR * reach_of(block);
 }
 
-/* Fills a block: divides it until its parts are far from the surface, or single cells. */
+/* Fills a block of the map with safe distances: divides it until its parts are far from the surface, or
+ * single cells. */
 static void fill_block(struct filling *f, struct block block)
 {
     const double facets = closest_facet(f, block.middle, &block.facet),
@@ -173,7 +174,7 @@ static size_t lay_out(const struct cml_mesh *mesh, double edge, double most, str
     return (size_t)cells;
 }
 
-/* Fills the frames of all facets for computing distances. */
+/* Computes for every facet the frame by which distances from it are found quickly. */
 static void find_facets(struct filling *f)
 {
     for (int i = 0; i < (int)f->centred->mesh.num_triangles; i++) {
@@ -215,6 +216,8 @@ static void clear_filling(struct filling *f)
     if (f->tree) cml_boxtree_free(f->tree);
 }
 
+/* Makes a map of how far each point of space is from a mesh, at least, so that short steps need no query.
+ * bytes: about how much memory the map may take. */
 cml_status cml_safe_map_create(const struct cml_centred_mesh *centred, double bytes, struct cml_safe_map *map,
                                struct cml_error *err)
 {

@@ -193,8 +193,9 @@ static inline double cml_grid_lane_weight(const struct cml_sheet_facet *f, doubl
     return cml_smaller(cml_smaller(v, w), 1 - v - w);
 }
 
-/* Intersects ray k with a facet listed in its cell. Returns 1 and sets the answer if the ray crosses the
- * facet's plane, or ends, well inside the facet; else returns 0. */
+/* Intersects ray k with one facet listed in its cell. Returns 1 and sets the answer if the ray surely
+ * crosses the facet's plane, or surely ends, inside the facet's outline; otherwise returns 0, and the next
+ * facet is tried. */
 static inline int cml_grid_lane_intersect_facet(const struct cml_grid_view *view, uint32_t number, int k,
                                                 struct cml_grid_lanes *l)
 {
@@ -277,7 +278,8 @@ CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int fi
     }
 }
 
-/* Answers all rays, group by group. */
+/* Finds for many rays at once where they meet a mesh: rays in groups pass four loops, which move them to the
+ * mesh, guess a cell, test its facets, and check the answer. Rays without a sure answer stay undecided. */
 static void cml_grid_lanes_ask(const struct cml_grid_view *view, struct cml_grid_lanes *l)
 {
     for (int first = 0; first < l->count; first += CML_GRID_GROUP) {

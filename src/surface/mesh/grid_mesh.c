@@ -74,12 +74,15 @@ static void find_mean(struct cml_grid_mesh *grid)
     grid->mean = sum / cells;
 }
 
+/* Fills the coarser levels of cells from the finest one: a cell of a level bounds the depths of the cells it
+ * covers. */
 void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid)
 {
     for (int l = 1; l < grid->levels; l++) build_level(&grid->level[l - 1], &grid->level[l]);
     find_mean(grid);
 }
 
+/* Frees the cells over a mesh and leaves an empty structure, which means that there are no cells. */
 void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
 {
     free(grid->level[0].depths);
@@ -89,6 +92,8 @@ void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
     *grid = (struct cml_grid_mesh){.levels = 0};
 }
 
+/* Returns the memory of the cells over a mesh in bytes: their bounds of depth on all levels, and their lists
+ * of facets. */
 double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid)
 {
     if (grid->levels == 0) return 0;

@@ -122,8 +122,8 @@ static double least_weight(const struct cml_mesh_query *q, const struct cml_shee
     return a < least ? a : least;
 }
 
-/* Intersects the ray with all facets listed in a cell. The loop has no branches, since most of them would be
- * mispredicted. */
+/* Finds the nearest facet that a ray hits among those listed in a cell. Undecided if rounding could change
+ * the answer. The loop has no branches, since most of them would be mispredicted. */
 static enum verdict intersect_cell(const struct traversal *w, size_t index, struct interval part)
 {
     struct cml_mesh_query *q = w->q;
@@ -273,8 +273,9 @@ static int find_start_level(const struct traversal *w, const int first[2], const
     return level;
 }
 
-/* Traverses the grid from the cell in which the ray begins. If the ray ends near a cell's border, a miss of
- * all visited cells is undecided, since the next cell was not visited. */
+/* Finds the first facet that a ray hits, cell by cell, from the cell in which the ray begins; rays over many
+ * cells skip blocks of cells. The answer is undecided if the ray begins near a cell's border. It is
+ * undecided, too, if nothing is hit and the ray ends near a border, since the cell beyond was not visited. */
 static enum verdict traverse_grid(const struct traversal *w, struct interval ray)
 {
     const struct cml_grid_mesh *grid = w->grid;
@@ -292,13 +293,14 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
     const int level = find_start_level(w, node, last);
     const int *n = grid->level[level].n;
     const struct range all = {{0, 0}, {n[0] - 1, n[1] - 1}};
+    /* Nodes of each level are four times as wide as those of the level below. */
     for (int k = 0; k < 2; k++) node[k] >>= 2 * level;
     const enum verdict verdict = traverse(w, level, &all, node, ray.t_min, ray);
     return verdict == MISS && ends_inside && !ends_in_cell ? UNDECIDED : verdict;
 }
 
-/* Walks over the cells below the part of the ray that lies between the mesh's depths. A ray that begins far
- * away is undecided, and so is a ray from beside the grid that may reach the grid. */
+/* Walks over the cells below the part of the ray that lies between the mesh's depths. Returns false if the
+ * answer is undecided, as for a ray that begins far away or comes from beside the grid and may reach it. */
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->centred->upper[0];
@@ -317,6 +319,8 @@ bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
     return traverse_grid(&w, ray) != UNDECIDED;
 }
 
+/* True if the ray starts and ends inside the inner rectangle of the grid, by a margin for rounding. The
+ * search over cells then finds every crossing, because the plane outside the mesh is out of reach. */
 bool cml_grid_walk_covers(const struct cml_grid_mesh *grid, const struct cml_mesh_query *q)
 {
     const double err = err_cover_factor * (q->err_position + q->err_entry);

@@ -101,7 +101,7 @@ static bool is_before(const struct cml_line_crossing *a, const struct cml_line_c
     return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
 }
 
-/* Adds a crossing to the lot, which keeps the first crossings that were in no earlier lot. */
+/* Adds a crossing of the line to the lot, the list of the first crossings that were in no earlier lot. */
 static void add_to_lot(struct cml_line_parts *parts, const struct cml_line_crossing *crossing)
 {
     if (parts->lot == 0) parts->around += crossing->way;
@@ -138,9 +138,9 @@ static bool closes_gap(const struct cml_mesh_line *line, const struct cml_line_c
            cml_facet_distance(line->q->centred, in->primitive, place) <= line->q->centred->err_mesh;
 }
 
-/* Follows the crossings of the lot up to the first exit. Keeps each crossing where the number of parts around
- * the line falls to 0 or rises from 0. If crossings follow behind the lot, the lot's last crossing is left to
- * the next lot, because deciding a crossing needs the crossing behind it. */
+/* Follows the crossings of a line with a union of bodies, a lot at a time, and keeps those where the line
+ * comes out of all parts or enters the first one. Deciding a crossing needs the next one, so a lot's last
+ * crossing is left to the next lot if more follow. */
 static void follow_lot(struct cml_mesh_line *line)
 {
     struct cml_line_parts *parts = line->parts;
@@ -170,8 +170,9 @@ static int parts_around(const struct cml_line_parts *parts, double t)
     return parts->more && t >= parts->item[LOT - 1].t ? INT_MAX : around;
 }
 
-/* Ends a pass over the triangles. A union takes passes that collect crossings, look for crossings behind
- * them, and look for facets beside the line; other meshes take one. */
+/* Ends a pass over the triangles near a line and says whether another pass is needed. A union of bodies
+ * takes several: to collect crossings, to look for crossings behind them, and to look for facets beside the
+ * line. Other meshes take one. */
 bool cml_line_goes_on(struct cml_mesh_line *line)
 {
     struct cml_line_parts *parts = line->parts;
@@ -258,9 +259,9 @@ static void add_end(struct cml_mesh_line *line, int primitive, double height)
     line->ends_near_facet = cml_facet_distance(q->centred, primitive, end) <= line->err_line;
 }
 
-/* Adds a facet to the data of a line: its crossing, if the line meets it, and the places where the path ends
- * near it or leaves near it. The exact side of the facet's plane on which line->from lies tells whether the
- * crossing is ahead; a rounded distance could not. */
+/* Adds a facet to what is known of a line: where the line crosses it, and whether the path ends or leaves
+ * close to it. Whether the crossing is ahead follows from the exact side of the facet's plane on which the
+ * line begins; a rounded distance could not tell. */
 void cml_line_add(struct cml_mesh_line *line, int primitive)
 {
     const struct cml_mesh_query *q = line->q;
@@ -324,10 +325,10 @@ static bool lies_below(const struct cml_mesh_line *line)
     return ends_below + line->winding_ahead > 0;
 }
 
-/* Decides the query by the whole line. If the packet is on its own side, the first exiting crossing ahead
- * counts. If the packet is beyond a facet by rounding, the facet that its line passes counts, unless the
- * packet is near a facet through which it is about to come back. A crossing that the query has found at the
- * same place is kept, because it may have the normal of an edge or a vertex. */
+/* Decides a doubtful query by all crossings of the whole line. If the packet is on its own side, the first
+ * crossing ahead that leaves counts; if rounding has put it beyond a facet, this facet counts, unless it is
+ * about to come back. A crossing that the query found at the same place is kept, because it may have the
+ * normal of an edge. */
 void cml_line_decide(struct cml_mesh_line *line, struct cml_mesh_query *q)
 {
     const double t_max = line->length;

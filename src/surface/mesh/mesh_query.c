@@ -62,9 +62,9 @@ static uint64_t random_number(uint32_t vertex)
     return (x ^ (x >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
 }
 
-/* Intersects the ray with a triangle. A ray within rounding of an edge hits the triangles on both sides.
- * Exact signs alone would leave pinholes at vertices, where the signs of several edges must agree, and along
- * the border, where the outer plane begins. */
+/* True if the ray meets a triangle: *t becomes the distance, weight[] the barycentric coordinates. A ray
+ * within rounding of an edge hits the triangles on both sides, because exact signs alone would leave
+ * pinholes at vertices and along the border. */
 bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, double weight[3])
 {
     const uint32_t *v = q->centred->mesh.triangle[primitive];
@@ -141,6 +141,9 @@ static bool clip_to_slabs(const struct cml_mesh_query *q, double *enter, double 
     return *enter <= *leave;
 }
 
+/* Finds where a ray enters and leaves the mesh's box; false if it misses the box. Later steps compute from
+ * the entry point, whose small numbers lose little in single precision. Also sets the bounds of rounding of
+ * the entry point and of products of lengths. */
 bool cml_query_clip_ray(struct cml_mesh_query *q, double *leave)
 {
     double enter = 0, size = 0;
@@ -157,6 +160,8 @@ bool cml_query_clip_ray(struct cml_mesh_query *q, double *leave)
     return true;
 }
 
+/* Sets the entry point of a ray for a search in single precision, without bounds of rounding. Returns false
+ * if the ray misses the mesh's box. */
 bool cml_query_enter(struct cml_mesh_query *q)
 {
     double leave;
@@ -166,6 +171,8 @@ bool cml_query_enter(struct cml_mesh_query *q)
     return true;
 }
 
+/* Sets the entry point of the whole line, ahead of the origin and behind it; false if the line misses the
+ * box. *leave becomes the distance at which the line leaves the box. */
 bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
 {
     q->t_entry = -INFINITY;
@@ -175,6 +182,8 @@ bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
     return true;
 }
 
+/* Says whether (x, y) lies inside the mesh's border, outside, or within distance d of it, where rounding
+ * leaves the side open. The bounding box decides most points at once. */
 enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, double x, double y, double d)
 {
     const double *lower = q->centred->lower, *upper = q->centred->upper;
@@ -279,18 +288,22 @@ static double distance_to_primitive(const struct cml_mesh_query *q, int primitiv
            cml_vec3_dot(q->direction, q->centred->plane[primitive]);
 }
 
+/* Returns the distance along the ray to the plane of a facet. */
 double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive)
 {
     const double *plane = q->centred->plane[primitive];
     return (plane[3] - cml_vec3_dot(q->origin, plane)) / cml_vec3_dot(q->direction, plane);
 }
 
+/* Marks the query as in doubt if the ray starts so close to a facet that rounding hides on which side. */
 void cml_query_test_contact(struct cml_mesh_query *q, int primitive)
 {
     const double *plane = q->centred->plane[primitive];
     if (fabs(plane[3] - cml_vec3_dot(q->origin, plane)) <= q->contact_distance) q->in_doubt = true;
 }
 
+/* Takes a crossing in the inside of a triangle as the best one if it is nearer than the best so far. weight:
+ * barycentric coordinates of the crossing. */
 void cml_query_add_inner_hit(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
                              const double weight[3])
 {
@@ -358,8 +371,9 @@ void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
     for (int k = 0; k < 3; k++) q->weight[k] = area[k] / (area[0] + area[1] + area[2]);
 }
 
-/* Begins a query. A packet that came undeflected through its facet has already met what lies behind the
- * facet, so crossings before the facet's own crossing do not count. */
+/* Begins a query: where does the ray from p along u first cross the mesh within t_max? exclude: the facet
+ * that the packet stands on, or a negative code. A packet that came undeflected through its facet has
+ * already met what lies before the facet, so such crossings do not count. */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *centred, const double p[3],
                      const double u[3], int below, double t_max, int exclude, int undeflected,
                      double err_position)
@@ -385,6 +399,7 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *ce
                    : -err_position;
 }
 
+/* True if rounding may have decided the answer, so that exact arithmetic must decide again. */
 bool cml_query_is_doubtful(const struct cml_mesh_query *q)
 {
     return q->starts_on_edge || q->in_doubt || q->open_edges != 0 ||
@@ -392,7 +407,8 @@ bool cml_query_is_doubtful(const struct cml_mesh_query *q)
            (q->centred->mesh.unite && (q->primitive >= 0 || q->exclude >= 0));
 }
 
-/* Writes the best crossing of a query to *crossing: its place, its primitive and its normals. */
+/* Writes the best crossing of a query to *crossing: its place, its primitive and its normals. Returns 0 if
+ * there is none. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
                      struct cml_mesh_crossing *crossing)
 {

@@ -46,7 +46,8 @@ struct query {
     bool contact_only; /* only looks for facets that the packet may be beyond */
 };
 
-/* Tests a triangle. Returns true if it may be the packet's next crossing. */
+/* Tests in double precision whether a ray meets a triangle, and keeps the crossing if it is the best.
+ * Returns true if it may be the packet's next crossing. */
 static bool test_triangle(struct cml_mesh_query *q, int primitive)
 {
     double t, weight[3];
@@ -56,8 +57,8 @@ static bool test_triangle(struct cml_mesh_query *q, int primitive)
     return true;
 }
 
-/* Tests the triangle of a box that the ray meets (a callback of Embree). A hit shortens Embree's ray, so that
- * later boxes are skipped. */
+/* Tests the triangle in a box that a ray meets; Embree calls it back for each box. A hit shortens the ray,
+ * so that Embree skips boxes behind. For a line that is followed exactly, the facet is only collected. */
 static void intersect_triangle(const struct RTCIntersectFunctionNArguments *arguments)
 {
     struct query *query = (struct query *)(void *)arguments->context;
@@ -96,7 +97,8 @@ static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments)
     }
 }
 
-/* Fills Embree's ray, from the entry point to distance `leave`. */
+/* Fills the ray that Embree traces in single precision: from the entry point into the mesh's box to the
+ * distance `leave`, where the ray leaves the box. */
 static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRayHit *rayhit)
 {
     *rayhit = (struct RTCRayHit){.ray.mask = 0xffffffffu};
@@ -120,7 +122,8 @@ static bool make_line(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
     return true;
 }
 
-/* Calls Embree. Only the calls of versions 3 and 4 differ. */
+/* Asks Embree which boxes of triangles a ray meets; Embree calls back for each. The calls of versions 3 and
+ * 4 differ. */
 static void intersect_boxes(const struct cml_mesh_surface *surface, struct query *query,
                             struct RTCRayHit *rayhit)
 {
@@ -136,7 +139,7 @@ static void intersect_boxes(const struct cml_mesh_surface *surface, struct query
 #endif
 }
 
-/* Tests every triangle whose box the ray meets, in double. */
+/* Tests every triangle whose box the ray meets, in double precision; Embree finds the boxes. */
 static void query_exact(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
@@ -183,8 +186,9 @@ static struct cml_tree_ray tree_ray(const struct cml_mesh_query *q)
     return ray;
 }
 
-/* Queries the tree. Everything that is not plain is decided in double: the tree lists each facet in doubt
- * that the ray could meet. */
+/* Finds a ray's first crossing with the search tree in single precision. What the tree cannot decide for
+ * certain is decided in double precision, facet by facet; if the tree lost the overview (blurred), Embree
+ * searches instead. */
 static void query_tree(const struct cml_mesh_surface *surface, struct query *query)
 {
     static const double inner[3] = {1 / 3.0, 1 / 3.0, 1 / 3.0};
@@ -279,7 +283,8 @@ static void find_depths(const struct cml_mesh_surface *surface, double err_posit
     *high = centred->upper[2] + centred->centre[2] + more;
 }
 
-/* Turns the crossing that a segment has found into a crossing of the whole path. */
+/* Turns the crossing that a search in one copy of a repeated mesh has found into a crossing of the whole
+ * path. Returns 0 if there is none. */
 static int finish_tile(const struct cml_mesh_surface *surface, const struct cml_tile_path *path,
                        struct cml_mesh_crossing *crossing)
 {
@@ -289,8 +294,8 @@ static int finish_tile(const struct cml_mesh_surface *surface, const struct cml_
     return crossing->primitive >= 0;
 }
 
-/* Follows a path over a tile, segment by segment. A segment that begins on the way also has the rounding of
- * its distance from the path's origin. */
+/* Follows a path over a repeated mesh, copy by copy, to its first crossing; 0: there is none. A segment that
+ * begins on the way also has the rounding of its distance from the path's origin. */
 static int hit_tile(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
                     double t_max, int exclude, int undeflected, int exact, double err_position,
                     struct cml_mesh_crossing *crossing)
@@ -309,6 +314,8 @@ static int hit_tile(const struct cml_mesh_surface *surface, const double p[3], c
     return 0;
 }
 
+/* Finds the first crossing of a ray with a mesh; a mesh that is repeated over the plane is searched period
+ * by period. */
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                          int below, double t_max, int exclude, int undeflected, int exact,
                          double err_position, struct cml_mesh_crossing *crossing)
@@ -449,7 +456,8 @@ static cml_status build_tree(struct cml_mesh_surface *surface, struct cml_error 
                                  &surface->tree, err);
 }
 
-/* Builds the fast search for facets: cells, or a tree. */
+/* Builds the fast search for facets: cells for a mesh that does not overhang, otherwise a tree; none if
+ * Embree alone was asked for. */
 static cml_status build_search(struct cml_mesh_surface *surface, enum cml_mesh_search search,
                                struct cml_error *err)
 {
@@ -469,7 +477,8 @@ static cml_status build_map(struct cml_mesh_surface *surface, struct cml_error *
     return cml_safe_map_create(&surface->centred, bytes, &surface->map, err);
 }
 
-/* Makes a surface. A repeated mesh gets no map of safe distances. */
+/* Makes the surface of a mesh with all its search structures: the fast search, Embree's boxes and, unless it
+ * is repeated, a map of safe distances. */
 static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
                          bool repeated, struct cml_mesh_surface **surface, struct cml_error *err)
 {
@@ -487,12 +496,15 @@ static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_m
     return status;
 }
 
+/* Makes the surface of a mesh that is not repeated. */
 cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
                                    struct cml_mesh_surface **surface, struct cml_error *err)
 {
     return create(mesh, x0, y0, search, false, surface, err);
 }
 
+/* Makes the surface of a mesh that repeats over the plane. Queries count x and y from (x0, y0), hence the
+ * period's corner is moved there. */
 cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double y0,
                                         enum cml_mesh_search search, const struct cml_mesh_period *period,
                                         struct cml_mesh_surface **surface, struct cml_error *err)
@@ -504,6 +516,7 @@ cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double
     return CML_OK;
 }
 
+/* Frees a mesh surface with all its search structures; NULL is allowed. */
 void cml_mesh_surface_free(struct cml_mesh_surface *surface)
 {
     if (!surface) return;
@@ -515,6 +528,7 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
     free(surface);
 }
 
+/* Returns the mesh inside a surface. Its vertices count from *middle. */
 const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surface, double middle[3])
 {
     middle[0] = -surface->centred.axis[0];
@@ -523,17 +537,20 @@ const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surf
     return &surface->centred.mesh;
 }
 
+/* Returns the number of triangles that queries can name: those of the mesh, or of one period. */
 uint64_t cml_mesh_surface_primitives(const struct cml_mesh_surface *surface)
 {
     const struct cml_mesh_period *period = &surface->period;
     return period->n[0] ? cml_tile_primitives(period) : surface->centred.mesh.num_triangles;
 }
 
+/* Returns the triangle of the stored mesh that a primitive is: in a repeated mesh, margins come before it. */
 size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t primitive)
 {
     return surface->period.n[0] ? (size_t)cml_tile_triangle(&surface->period, (int)primitive) : primitive;
 }
 
+/* Returns the area of the triangle of a primitive, cm2. */
 double cml_mesh_surface_area(const struct cml_mesh_surface *surface, size_t primitive)
 {
     const struct cml_mesh *mesh = &surface->centred.mesh;
@@ -548,6 +565,7 @@ const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surf
     return &surface->period;
 }
 
+/* Returns the memory of a mesh surface with all its search structures, in bytes. */
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     return (double)surface->embree_bytes + cml_grid_mesh_bytes(&surface->grid) +
@@ -555,6 +573,7 @@ double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
            cml_centred_mesh_bytes(&surface->centred);
 }
 
+/* Returns the map of safe distances of a mesh, or NULL if it has none. */
 const struct cml_safe_map *cml_mesh_surface_map(const struct cml_mesh_surface *surface)
 {
     return surface->map.safe ? &surface->map : NULL;
@@ -565,6 +584,7 @@ const char *cml_mesh_library(void)
     return "Embree " RTC_VERSION_STRING;
 }
 
+/* True if the mesh does not overhang and is searched by cells. */
 bool cml_mesh_surface_is_sheet(const struct cml_mesh_surface *surface)
 {
     return surface->grid.levels > 0;

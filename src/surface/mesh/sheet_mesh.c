@@ -52,7 +52,7 @@ static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
     return (x - grid->corner[axis]) * grid->cells_per_cm[axis];
 }
 
-/* Finds the range of cells below the shadow's box. */
+/* Finds the cells that the box of a facet's shadow covers, widened by rounding. */
 static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
 {
     for (int k = 0; k < 2; k++) {
@@ -63,8 +63,8 @@ static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
     }
 }
 
-/* Returns the shadow of a facet. Seen in x and y, facets run clockwise, because z points down: inside is to
- * the right of their sides. */
+/* Returns the shadow of a facet: its outline seen along z, in cells of the grid, with the inward normals of
+ * its sides, its range of depths and its slope. Seen so, facets run clockwise, because z points down. */
 static struct shadow shadow_of(const struct lists *l, size_t facet)
 {
     const struct cml_grid_mesh *grid = l->grid;
@@ -88,8 +88,9 @@ static struct shadow shadow_of(const struct lists *l, size_t facet)
     return s;
 }
 
-/* Returns how far inside the facet the middle of cell (i, j) lies, in cells; -INFINITY if a side of the facet
- * separates the two [Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996]. */
+/* Returns how far inside a facet's outline the middle of cell (i, j) lies, seen from above, in widths of a
+ * cell; -INFINITY if cell and outline are apart because a side of the facet lies between them [separating
+ * axes: Gottschalk, Lin and Manocha, 1996]. */
 static float middle_inside(const struct shadow *s, int i, int j)
 {
     const double half = 0.5 + err_apart;
@@ -162,7 +163,8 @@ static bool enter_facet(struct lists *l, size_t facet)
     return true;
 }
 
-/* Chooses square cells over the mesh's box. */
+/* Lays square cells over the mesh's box in x and y, so that there are about cells_per_facet cells for each
+ * facet. */
 static void choose_cells(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid)
 {
     const struct cml_mesh *mesh = &centred->mesh;
@@ -189,8 +191,9 @@ static void weight_of(const double corner[2], const double at[3], const double o
     weight[1] = (float)(side[0] / height);
 }
 
-/* Fills the data of a facet. Returns false, with NaN as the weights' derivatives, if err_weight_sheet does
- * not cover the rounding of the weights in float over the facet's cells. */
+/* Fills in what a query needs of a facet: plane, corner, and derivatives of its barycentric weights along x
+ * and y. Returns false, and NaN as derivatives, if the facet is so thin that single precision cannot hold
+ * the weights. */
 static bool fill_facet(const struct cml_centred_mesh *centred, const struct cml_grid_mesh *grid, size_t facet)
 {
     struct cml_sheet_facet *f = &grid->facet[facet];
@@ -212,8 +215,8 @@ static bool fill_facet(const struct cml_centred_mesh *centred, const struct cml_
     return false;
 }
 
-/* Finds a rectangle inside the mesh's border: the largest one of a series of shrunken copies of the mesh's
- * box. */
+/* Finds a rectangle that lies inside the mesh's border, by which most rays see that they stay over the mesh:
+ * the largest one of a series of shrunken copies of the mesh's box. */
 static void find_inner(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid)
 {
     const double smaller = 0.95, least = 0.1, margin = 1 - 1e-6;
@@ -299,9 +302,9 @@ static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *er
     return CML_OK;
 }
 
-/* Makes the list of facets of each cell. Sets *pays if the lists have a mean length of at most longest_list,
- * and hardly any facet is too thin for float. Otherwise leaves *pays as it is; the lists may then be
- * incomplete. */
+/* Makes for each cell the list of facets above or below it. Sets *pays if these lists are short
+ * (longest_list facets in the mean) and hardly any facet is too thin for single precision. If the lists turn
+ * out long, stops early and leaves *pays unset; the caller then drops the cells. */
 static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
 {
     size_t thin = 0;
@@ -317,6 +320,8 @@ static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
     return CML_OK;
 }
 
+/* Lays a grid of cells over a mesh that does not overhang, so that a ray need only look at cells that it
+ * passes. No cells are made if their lists of facets would be so long that the grid does not pay. */
 cml_status cml_sheet_mesh_find(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid,
                                struct cml_error *err)
 {

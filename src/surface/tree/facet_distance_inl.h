@@ -22,9 +22,9 @@ struct cml_flat_facet {
                                                        sides */
 };
 
-/* Computes the frame of a facet. A needle (a triangle far longer than wide) gets its second axis in two
- * steps, because rounding may turn the result of the first step. A needle thinner than 1e-12 of its length
- * gets any second axis. */
+/* Computes a facet's own frame: a corner, the longest side as first axis, the second axis in its plane, and
+ * sizes. A needle (far longer than wide) gets its second axis in two steps, because rounding may turn the
+ * first result; below 1e-12 of its length it gets any. */
 static inline void cml_flat_facet_of(const double *corner[3], struct cml_flat_facet *flat)
 {
     double side[3][3], length[3];

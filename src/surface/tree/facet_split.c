@@ -18,11 +18,14 @@ struct cut {
     double cost;
 };
 
+/* Returns an empty box, which grows when other boxes are added: lower sides +infinity, upper sides
+ * -infinity. */
 struct cml_facet_box cml_facet_box_none(void)
 {
     return (struct cml_facet_box){{INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY}, 0};
 }
 
+/* Enlarges a box to include another one. at: three lower sides, then three upper ones. */
 void cml_facet_box_widen(struct cml_facet_box *box, const struct cml_facet_box *other)
 {
     for (int k = 0; k < 3; k++) {
@@ -31,6 +34,8 @@ void cml_facet_box_widen(struct cml_facet_box *box, const struct cml_facet_box *
     }
 }
 
+/* Returns half of the surface of a box, cm2: the chance that a ray meets a box is proportional to it. at:
+ * lower corner, then upper corner. */
 float cml_facet_box_area(const struct cml_facet_box *box)
 {
     const float x = box->at[3] - box->at[0], y = box->at[4] - box->at[1], z = box->at[5] - box->at[2];
@@ -50,7 +55,8 @@ static int bin_of(const struct cut *cut, const struct cml_facet_box *box)
     return bin < BINS ? bin : BINS - 1;
 }
 
-/* Lays bins along the cut's axis. Returns false if all middles are equal. */
+/* Divides the range of boxes' middles along the cut's axis into bins, at whose borders cuts are tried.
+ * Returns false if all middles are equal. */
 static bool lay_bins(const struct cml_facet_box *box, size_t count, struct cut *cut)
 {
     float least = INFINITY, most = -INFINITY;
@@ -109,7 +115,7 @@ static void try_cuts(const struct bin bins[BINS], const struct cut *along, size_
     }
 }
 
-/* Moves the boxes below the cut to the front. Returns their number. */
+/* Divides boxes in two at the cut: moves those below it to the front, and returns their number. */
 static size_t part(struct cml_facet_box *box, size_t count, const struct cut *cut)
 {
     size_t low = 0;
@@ -122,6 +128,8 @@ static size_t part(struct cml_facet_box *box, size_t count, const struct cut *cu
     return low;
 }
 
+/* Divides facets into two groups for the two branches of a tree, where the expected cost of a search is
+ * least. If all boxes have one centre, the halves are equal. Returns the size of the first group. */
 size_t cml_facet_split(struct cml_facet_box *box, size_t count, size_t leaf)
 {
     struct cut best = {.cost = INFINITY};

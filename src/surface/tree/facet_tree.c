@@ -18,6 +18,8 @@ extern const struct cml_tree_level cml_tree_base;
 extern const struct cml_tree_level cml_tree_v3, cml_tree_v4;
 #endif
 
+/* Lists the compiled versions of the search that this processor can run, the fastest first. Returns their
+ * number. */
 int cml_tree_levels(const struct cml_tree_level *levels[CML_TREE_LEVELS])
 {
     int count = 0;
@@ -95,7 +97,8 @@ static void fill_facet(const struct builder *b, uint32_t facet, int i, struct cm
     leaf->facet[i] = facet;
 }
 
-/* Moves a list into memory for `room` entries. */
+/* Moves a list of nodes or leaves into new memory for `room` entries, aligned to 64 bytes for vector
+ * loops. */
 static cml_status move(struct list *list, uint32_t room, struct cml_error *err)
 {
     void *moved = aligned_alloc(64, room * list->size);
@@ -149,7 +152,9 @@ static int choose(const struct group *child, int children, int depth)
     return largest;
 }
 
-/* Divides a group into up to 16 children. Returns their number. */
+/* Divides a group of facets into up to CML_GROUP (16) children of a node and returns their number. It always
+ * splits the child that `choose` names. Very deep down, groups are simply halved, so that the depth stays
+ * bounded. */
 static int divide(const struct builder *b, struct group child[CML_GROUP], int depth)
 {
     int children = 1;
@@ -199,7 +204,8 @@ static cml_status add_node(struct builder *b, const struct group *group, int dep
     return CML_OK;
 }
 
-/* Computes the boxes of all facets, rounded outwards to float. */
+/* Computes the bounding boxes of all facets in single precision, rounded outwards, so that no facet reaches
+ * out of its box. at: three lower sides, then three upper ones. */
 static void find_boxes(struct builder *b)
 {
     for (uint32_t i = 0; i < b->mesh->num_triangles; i++) {
@@ -230,6 +236,8 @@ static cml_status build(struct builder *b, struct cml_error *err)
     return move(&b->leaves, b->leaves.count, err);
 }
 
+/* Builds the search tree of a mesh. plane: the plane equation of each facet; margin: the rounding of a
+ * search in single precision, cm. Facets flatter than the margin are always in doubt. */
 cml_status cml_facet_tree_create(const struct cml_mesh *mesh, const double (*plane)[4], double margin,
                                  struct cml_facet_tree *tree, struct cml_error *err)
 {

@@ -41,7 +41,8 @@ struct tested {
     int inside[CML_GROUP], exits[CML_GROUP], passed[CML_GROUP];
 };
 
-/* Prepares the ray for the test of boxes. */
+/* Prepares a ray for the test of boxes: the inverse direction, which side of a box it enters on each axis,
+ * and its origin moved by the margin. */
 static void find_slabs(const struct cml_tree_ray *ray, struct slabs *s)
 {
     for (int k = 0; k < 3; k++) {
@@ -81,9 +82,9 @@ static inline uint32_t enter_node(const struct search *s, const struct cml_tree_
     return ~cml_group_negative(room) & CML_GROUP_MASK;
 }
 
-/* Tests if the path meets the plane of any facet of a leaf; mostly it meets none. The test compares the
- * distances of the path's two ends from the plane, because a ray along the plane has no crossing distance t.
- */
+/* Returns the mask of a leaf's facets whose plane the path meets; mostly there are none. The test compares
+ * the distances of the path's two ends from the plane, because a ray along the plane has no crossing
+ * distance t. */
 static inline uint32_t test_planes(const struct search *s, const struct cml_tree_leaf *leaf,
                                    struct tested *tested)
 {
@@ -103,8 +104,9 @@ static inline uint32_t test_planes(const struct search *s, const struct cml_tree
     return cml_group_equal(tested->passed, 0);
 }
 
-/* Tests the facets of a leaf. Returns a mask of the candidates. The comparisons let a NaN make a candidate
- * that is not a sure hit. */
+/* Tests the facets of a leaf in one vector loop and returns a mask of those that the ray may cross.
+ * `inside`: surely crossed; `exits`: crossed towards the packet's far side. A NaN makes a candidate that is
+ * not a sure hit. */
 static inline uint32_t test_leaf(const struct search *s, const struct cml_tree_leaf *leaf,
                                  struct tested *tested)
 {
@@ -162,7 +164,8 @@ static void add_sure(struct search *s, int facet, float t, float err)
     if (t + err < s->to) s->to = t + err;
 }
 
-/* Tests the facets of a leaf and adds its sure crossings and doubts. */
+/* Tests all facets of a leaf at once, and adds those that the ray surely crosses, and those where rounding
+ * leaves a doubt. `entering` is the nearest facet crossed from outside in. */
 static inline void search_leaf(struct search *s, uint32_t number)
 {
     const struct cml_tree_leaf *leaf = &s->tree->leaf[number];
@@ -239,6 +242,8 @@ static void end(struct search *s)
     answer->re_enters = s->entering < s->t;
 }
 
+/* Finds the first facet that a ray meets. The answer names facets in doubt where single precision cannot
+ * decide. */
 static void ask(const struct cml_facet_tree *tree, const struct cml_tree_ray *ray,
                 struct cml_tree_answer *answer)
 {

@@ -38,7 +38,7 @@ install(DIRECTORY samples meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcm
 # The Python package, for plot, compare and view; in a wheel it lies above the program.
 if(NOT SKBUILD)
     install(DIRECTORY src/python/clustermcml DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml/python
-            FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
+            FILES_MATCHING PATTERN "*.py" PATTERN "*.csv" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
 endif()
 install(PROGRAMS samples/slurm.sh samples/slurm-array.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml/samples)
 if(CLUSTERMCML_PAGES)

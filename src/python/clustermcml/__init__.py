@@ -14,6 +14,7 @@ Results are xarray.Dataset, with units, axes and standard errors (NAME_se of NAM
 SPDX-License-Identifier: MIT
 """
 
+from . import media
 from .bodies import Body, Cylinder, Sphere
 from .brdf import brdf
 from .bsdf_file import read_bsdf
@@ -30,12 +31,13 @@ from .profile import Profile, profile
 from .program import run
 from .results import read
 from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
+from .spectrum import spectrum
 from .surfaces import Heightfield, Heightmap, Mesh, Relief, Rough
 from .sweep import sweep
 from .view import view
 
 __all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
-           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "sweep", "trace", "view"]
+           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "media", "merge", "mesh", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "spectrum", "sweep", "trace", "view"]
 
 
 def __getattr__(name: str) -> str:

@@ -1,4 +1,5 @@
-"""Tests of media over wavelength. Values equal those that were published elsewhere; spectra equal single runs."""
+"""Tests of media over wavelength. Values equal those that were published elsewhere; spectra equal single runs; fits find the parameters that made
+the data, and their errors are true."""
 import os
 import sys
 import tempfile
@@ -113,6 +114,95 @@ class Spectra(unittest.TestCase):
             with self.assertRaisesRegex(mc.InputError, text) as caught:
                 mc.spectrum(skin(), media, nm)
             self.assertNotIn("\n", str(caught.exception))
+
+
+TRUTH = {"saturation": 0.7, "blood": 0.02, "a": 46}
+BOUNDS = {"saturation": (0, 1), "blood": (0.005, 0.1), "a": (20, 100)}
+NM = np.array([540, 560, 578, 600])
+
+
+def perfused(saturation, blood, a, d=0.1):
+    return {"layer1": M.Medium({**M.blood(blood, saturation), "bloodless skin": 1 - blood}, a=a, b=1.4, g=0.8), "layer1.d": d}
+
+
+def slab(**values):
+    return mc.Scene([mc.Layer(1.4, 1, 100, 0.8, 0.1)], nr=1, nz=1, na=1, **{"photons": 2000, **values})
+
+
+def noisy(seen, names, share, seed):
+    """Returns data of a spectrum with noise of a share of the values."""
+    dice = np.random.default_rng(seed)
+    return {name: (seen[name].values * (1 + share * dice.standard_normal(len(seen.nm))), share * seen[name].values) for name in names}
+
+
+class Fits(unittest.TestCase):
+    def test_errors_are_true(self):
+        """Twenty measurements with 2 % noise give back the parameters of the model, and z, their distance in standard errors, is normal."""
+        seen = mc.spectrum(slab(), perfused(**TRUTH), NM, photons=2e5, seed=77, ignore_absorption=True)
+        z, chi2 = [], []
+        for k in range(20):
+            fit = mc.fit(slab(), BOUNDS, noisy(seen, ("Rd", "Tt"), 0.02, k), media=perfused, wavelengths=NM, seed=100 + k)
+            z.append([(fit.values[name] - value) / fit.errors[name] for name, value in TRUTH.items()])
+            chi2.append(fit.chi2)
+            self.assertEqual(fit.degrees, 5)
+            self.assertLess(fit.errors["saturation"], 0.06)
+            self.assertLess(fit.errors["blood"], 0.0006)
+            self.assertLess(fit.errors["a"], 2)
+        z = np.array(z)
+        print("\nmean z", z.mean(axis=0).round(2), "rms", np.sqrt((z**2).mean(axis=0)).round(2), "chi square", np.mean(chi2).round(2))
+        self.assertLess(np.abs(z).max(), 4.5)
+        self.assertTrue((np.abs(z.mean(axis=0)) < 4 / 20**0.5).all(), z.mean(axis=0))
+        self.assertTrue(((z**2).sum(axis=0) > 5.9).all() and ((z**2).sum(axis=0) < 45.3).all(), z)  # chi square of 20 degrees, 1 in 1000 on either side
+        self.assertTrue(65 < np.sum(chi2) < 150, chi2)  # the same with 100 degrees
+
+    def test_a_thickness_and_a_detector(self):
+        """A thickness has no derivative: it is moved. A ring, Rd and Tt, with a wavelength at which one of them is not known."""
+        scene = slab(detectors=[mc.Detector("ring", r1=0.01, r2=0.1, name="ring")], photons=5000)
+        seen = mc.spectrum(scene, perfused(**TRUTH, d=0.08), NM, photons=1e5, seed=78, ignore_absorption=True)
+        data = noisy(seen, ("detector_ring", "Rd", "Tt"), 0.01, 1)
+        data["Tt"][0][1] = np.nan
+        bounds = {"saturation": (0, 1), "a": (20, 100), "d": (0.05, 0.15)}
+        fit = mc.fit(scene, bounds, data, media=lambda saturation, a, d: perfused(saturation, 0.02, a, d), wavelengths=NM)
+        for name, value in {"saturation": 0.7, "a": 46, "d": 0.08}.items():
+            self.assertLess(abs(fit.values[name] - value), 4 * fit.errors[name], name)
+            self.assertLess(fit.errors[name], 0.1 * value, name)
+        self.assertEqual(fit.words, "")
+        self.assertEqual(([len(values) for values in fit.measured.values()], fit.degrees, fit.flights % 12), ([4, 4, 3], 8, 0))
+        np.testing.assert_array_equal(fit.places["Tt"], NM[[0, 2, 3]])
+        np.testing.assert_allclose(np.sqrt(np.diag(fit.covariance)), list(fit.errors.values()))
+        self.assertRegex(str(fit), r"correlation of d and a: -0\.\d\d \+- 0\.\d\d\n")
+        with tempfile.TemporaryDirectory() as folder:
+            fit.plot(os.path.join(folder, "fit.svg"))
+            with open(os.path.join(folder, "fit.svg"), encoding="utf-8") as file:
+                drawn = file.read()
+        for text in (">detector_ring, measured<", ">Tt, model<", ">wavelength [nm]<", "saturation = "):
+            self.assertIn(text, drawn)
+
+    def test_what_the_data_cannot_tell_is_said(self):
+        """A parameter without effect has no error, one at a bound is named, and so are data that no parameter explains."""
+        scene, one = slab(), [560.0, 600.0]
+        fit = mc.fit(scene, {"saturation": (0, 1), "idle": (1, 2)}, {"Rd": ([0.3, 0.3], 0.003)}, media=lambda saturation, idle: perfused(saturation, 0.02, 46), wavelengths=one, photons=500, flights=3)
+        self.assertEqual(fit.errors["idle"], np.inf)
+        self.assertRegex(fit.words, "The data do not tell idle: ")
+        fit = mc.fit(scene, {"saturation": (0, 1)}, {"Rd": ([0.1, 0.6], 0.003)}, media=lambda saturation: perfused(saturation, 0.02, 46), wavelengths=one, photons=500, flights=4)
+        self.assertRegex(fit.words, "does not explain the data: chi square .* is no chance")
+
+    def test_refusals(self):
+        data, nm = {"Rd": ([0.3, 0.3], 0.01)}, [560, 600]
+        for bounds, measured, media, wavelengths, text in (
+                (BOUNDS, data, perfused, None, "^wavelengths = None"), (BOUNDS, data, None, nm, "^media = None .expected a function"), (BOUNDS, data, perfused(**TRUTH), nm, "^media = {"),
+                ({"saturation": (0, 1)}, data, perfused, nm, "expected a function of saturation that returns media; perfused.. missing 2"), ({"a": (2, 1)}, data, perfused, nm, "below the upper one"),
+                ({"a": 1}, data, perfused, nm, "a lower and an upper bound"), ({}, data, perfused, nm, "^parameters = {}"), (BOUNDS, {}, perfused, nm, "^measured = {}"),
+                (BOUNDS, {"Rd": ([0.3], 0.01)}, perfused, nm, "one for each wavelength"), (BOUNDS, {"Rd_r": ([0.3, 0.3], 0.01)}, perfused, nm, "totals or detectors"),
+                (BOUNDS, {"Rd": ([0.3, 30], 0.01)}, perfused, nm, r"^measured\['Rd'\] at 600 nm: value = 30"), (BOUNDS, {"Rd": ([0.3, 0.3], 0)}, perfused, nm, "error = 0"),
+                (BOUNDS, {"detector_x": ([0.3, 0.3], 0.01)}, perfused, nm, "detectors of the scene"), (BOUNDS, {**data, "R": ([0.3, 0.3], 0.01)}, perfused, nm, "one of them"),
+                ({"saturation": (0, 2)}, data, lambda saturation: perfused(saturation, 0.02, 46), nm, "^saturation = 2.0 .expected an oxygenation"),
+                (BOUNDS, {"Tt": ([0.01, 0.01], 0.01)}, lambda **values: perfused(**values, d=3), nm, "^photons = 100 .expected more: no packet tells Tt at 560 nm.$")):
+            with self.assertRaisesRegex(mc.InputError, text) as caught:
+                mc.fit(slab(), bounds, measured, media=media, wavelengths=wavelengths, photons=100)
+            self.assertNotIn("\n", str(caught.exception))
+        with self.assertRaisesRegex(mc.InputError, "^photons = 63 .expected at least 64"):
+            mc.fit(slab(), BOUNDS, data, media=perfused, wavelengths=nm, photons=63)
 
 
 if __name__ == "__main__":

@@ -109,7 +109,6 @@ def _sellmeier(um: Any, *terms: tuple[float, float]) -> Any:
     return np.sqrt(1 + sum(strength * um**2 / (um**2 - square) for strength, square in terms))
 
 
-@functools.lru_cache(maxsize=None)
 def absorber(name: str) -> Absorber:
     """Returns an absorber of this package by its name.
 
@@ -127,9 +126,12 @@ def absorber(name: str) -> Absorber:
         ...
         clustermcml.errors.InputError: absorber = 'ink' (expected one of HbO2 Hb water fat bilirubin carotene melanosome bloodless skin)
     """
-    if name in FORMULAS:
-        return FORMULAS[name]
     errors.choice("absorber", name, *TABLES, *FORMULAS)
+    return FORMULAS[name] if name in FORMULAS else _table(name)
+
+
+@functools.lru_cache(maxsize=None)
+def _table(name: str) -> Absorber:
     file, factor, amount = TABLES[name]
     lines = (importlib.resources.files(__package__) / "spectra" / file).read_text("utf-8").splitlines()
     told = [line[2:] for line in lines if line.startswith("# ")]
@@ -216,7 +218,7 @@ class Medium:
             raise errors.refuse("Medium.absorbers", self.absorbers, '{absorber: amount}, {"water": 0.7}')
         for name, amount in self.absorbers.items():
             if not isinstance(name, Absorber):
-                absorber(name) if isinstance(name, str) else errors.choice("absorber", name, *TABLES, *FORMULAS)
+                absorber(name)  # refuses unknown names
             errors.at_least_zero(f"Medium.absorbers[{getattr(name, 'name', name)!r}]", amount)
         if self.a is not None:
             errors.at_least_zero("Medium.a", self.a)

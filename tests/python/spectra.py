@@ -126,7 +126,7 @@ def perfused(saturation, blood, a, d=0.1):
 
 
 def slab(**values):
-    return mc.Scene([mc.Layer(1.4, 1, 100, 0.8, 0.1)], nr=1, nz=1, na=1, **{"photons": 2000, **values})
+    return mc.Scene([mc.Layer(1.4, 1, 100, 0.8, 0.1)], nr=1, nz=1, na=1, **{"photons": 1000, **values})
 
 
 def noisy(seen, names, share, seed):
@@ -138,16 +138,16 @@ def noisy(seen, names, share, seed):
 class Fits(unittest.TestCase):
     def test_errors_are_true(self):
         """Twenty measurements with 2 % noise give back the parameters of the model, and z, their distance in standard errors, is normal."""
-        seen = mc.spectrum(slab(), perfused(**TRUTH), NM, photons=2e5, seed=77, ignore_absorption=True)
+        seen = mc.spectrum(slab(), perfused(**TRUTH), NM, photons=1e5, seed=77, ignore_absorption=True)
         z, chi2 = [], []
         for k in range(20):
             fit = mc.fit(slab(), BOUNDS, noisy(seen, ("Rd", "Tt"), 0.02, k), media=perfused, wavelengths=NM, seed=100 + k)
             z.append([(fit.values[name] - value) / fit.errors[name] for name, value in TRUTH.items()])
             chi2.append(fit.chi2)
             self.assertEqual(fit.degrees, 5)
-            self.assertLess(fit.errors["saturation"], 0.06)
-            self.assertLess(fit.errors["blood"], 0.0006)
-            self.assertLess(fit.errors["a"], 2)
+            self.assertLess(fit.errors["saturation"], 0.1)
+            self.assertLess(fit.errors["blood"], 0.001)
+            self.assertLess(fit.errors["a"], 3)
         z = np.array(z)
         print("\nmean z", z.mean(axis=0).round(2), "rms", np.sqrt((z**2).mean(axis=0)).round(2), "chi square", np.mean(chi2).round(2))
         self.assertLess(np.abs(z).max(), 4.5)

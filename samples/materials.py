@@ -27,7 +27,7 @@ THICK = 1e8  # thickness of a half space [cm]
 EPIDERMIS = 0.006  # thickness [cm]
 JENSEN = "Jensen, Marschner, Levoy, Hanrahan, A Practical Model for Subsurface Light Transport, SIGGRAPH 2001: reduced scattering, so g is 0 here"
 NARASIMHAN = "Narasimhan, Gupta, Donner, Ramamoorthi, Nayar, Jensen, Acquiring Scattering Properties of Participating Media by Dilution, SIGGRAPH 2006: reduced, as pbrt lists it"
-JACQUES = "Jacques, Skin Optics, Oregon Medical Laser Center News, January 1998 (formulas); hemoglobin: Prahl (`samples/hemoglobin.csv`)"
+JACQUES = "Jacques, Skin Optics, Oregon Medical Laser Center News, January 1998 (formulas); hemoglobin: Prahl (`mc.media`)"
 PAPER = "typical of copy paper, by Kubelka and Munk: S 50 m2/kg, K 0.5 m2/kg (red) to 1 m2/kg (blue), 80 g/m2, 0.01 cm (Pauler, Paper Optics, 1999, has such values); mus' = 4 S / 3, mua = K / 2"
 PAINT = "an illustration and no measurement: a white coat of 0.005 cm on a grey ground"
 
@@ -60,13 +60,9 @@ def half_space(name, source, n, reduced, mua, g=0.0):
 
 def skin(name, melanosomes):
     """Returns skin: an epidermis with a share of melanosomes, over a dermis with 0.2 % of blood, three quarters of it oxygenated."""
-    table = np.genfromtxt(os.path.join(HERE, "hemoglobin.csv"), delimiter=",", comments="#", skip_header=5)
-    oxygenated, other = (np.interp(NM, table[:, 0], table[:, k]) for k in (1, 2))
-    blood = 2.303 * 150 / 64500 * (0.75 * oxygenated + 0.25 * other)
-    base = 0.244 + 85.3 * np.exp(-(NM - 154) / 66.2)
+    epidermis = mc.media.Medium({"melanosome": melanosomes, "bloodless skin": 1 - melanosomes}).columns(NM)["mua"]
+    dermis = mc.media.Medium({**mc.media.blood(0.002, 0.75), "bloodless skin": 0.998}).columns(NM)["mua"]
     reduced = 2e5 * NM**-1.5 + 2e12 * NM**-4.0
-    epidermis = melanosomes * 6.6e11 * NM**-3.33 + (1 - melanosomes) * base
-    dermis = 0.002 * blood + 0.998 * base
     return Material(name, f"{JACQUES}; melanosomes {100 * melanosomes:g} %", [(1.4, epidermis, reduced / 0.2, 0.8, EPIDERMIS), (1.4, dermis, reduced / 0.2, 0.8, THICK)])
 
 

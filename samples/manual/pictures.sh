@@ -14,7 +14,7 @@ scene() {
 }
 
 # Runs the blocks of a page in a folder of its own, and keeps pictures that its commands draw: `page PAGE DRAWN=KEPT
-# ...`.
+# ...`. A block of Python runs with all those before it, whose names it may use.
 page() {
     text=$(realpath "$1")
     shift
@@ -22,13 +22,14 @@ page() {
     ln -s "$(realpath ..)" "$work/samples"
     ln -s "$(realpath ../../meshes)" "$work/meshes"
     awk '
-        /^```/ && kind { if (kind != "sh") print "END_OF_BLOCK"; kind = ""; next }
-        /^```(mci|python|sh)$/ { kind = substr($0, 4); first = 1; if (kind == "python") print "python3 - <<\"END_OF_BLOCK\"\nimport clustermcml as mc"; next }
+        /^```/ && kind { if (kind != "sh") print "END_OF_BLOCK"; if (kind == "python") print "python3 names.py"; kind = ""; next }
+        /^```(mci|python|sh)$/ { kind = substr($0, 4); first = 1; if (kind == "python") print "cat >>names.py <<\"END_OF_BLOCK\"\nimport clustermcml as mc"; next }
         kind == "mci" && first { print "cat >" $2 " <<\"END_OF_BLOCK\"" }
         kind { print; first = 0 }' "$text" >"$work/blocks.sh"
+    printf "svg.hashsalt: clustermcml\nsvg.fonttype: none\n" >"$work/matplotlibrc" # equal numbers give equal bytes
     mkdir "$work/bin"
     ln -s "$program" "$work/bin/clustermcml"
-    (cd "$work" && PATH=$work/bin:$PATH CLUSTERMCML=$program PYTHONPATH=$(realpath samples/../src/python) sh -eu blocks.sh >/dev/null)
+    (cd "$work" && SOURCE_DATE_EPOCH=0 PATH=$work/bin:$PATH CLUSTERMCML=$program PYTHONPATH=$(realpath samples/../src/python) sh -eu blocks.sh >/dev/null)
     for kept; do
         cp "$work/${kept%%=*}" "pictures/${kept#*=}"
     done

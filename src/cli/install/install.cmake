@@ -34,11 +34,11 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT plain)
 # without the scripts that build from source, and those that make the samples
 install(DIRECTORY samples meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml
         FILES_MATCHING PATTERN "*.mci" PATTERN "*.obj" PATTERN "*.gsf" PATTERN "*.asc" PATTERN "*.md" PATTERN "*.png"
-        PATTERN "*.txt" PATTERN "*.csv" PATTERN "*.ipynb")
+        PATTERN "*.txt" PATTERN "*.ipynb")
 # The Python package, for plot, compare and view; in a wheel it lies above the program.
 if(NOT SKBUILD)
     install(DIRECTORY src/python/clustermcml DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml/python
-            FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
+            FILES_MATCHING PATTERN "*.py" PATTERN "*.csv" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
 endif()
 install(PROGRAMS samples/slurm.sh samples/slurm-array.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml/samples)
 if(CLUSTERMCML_PAGES)

@@ -14,6 +14,7 @@ Results are xarray.Dataset, with units, axes and standard errors (NAME_se of NAM
 SPDX-License-Identifier: MIT
 """
 
+from . import media
 from .bodies import Body, Cylinder, Sphere
 from .brdf import brdf
 from .bsdf_file import read_bsdf
@@ -32,13 +33,14 @@ from .profile import Profile, profile
 from .program import run
 from .results import read
 from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
+from .spectrum import spectrum
 from .surfaces import Heightfield, Heightmap, Mesh, Relief, Rough
 from .sweep import sweep
 from .view import view
 from .watts import scale
 
 __all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Mie", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
-           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "mie", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "scale", "sphere", "sweep", "trace", "view"]
+           "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "media", "merge", "mesh", "mie", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "scale", "spectrum", "sphere", "sweep", "trace", "view"]
 
 
 def __getattr__(name: str) -> str:

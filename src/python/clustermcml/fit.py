@@ -17,12 +17,13 @@ import warnings
 from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Union, cast
 
 import numpy as np
+import numpy.typing as npt
 
 from . import errors
 from .command_line import picture_name
 from .commands import check
-from .fit_numbers import lagrange, root, start
 from .integrating_sphere import SphereScene, sphere_scene
+from .least_squares import TINY, correlation, jacobian, lagrange, minimum, root, start, unlikely
 from .mco import read_mco
 from .measured import PROFILES, SPHERES, TOTALS, Data, read_measured
 from .options import FitOptions, Path, shown
@@ -31,6 +32,8 @@ from .scene import Scene
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
+
+    from .spectrum import Media
 
 NAMES = "names like layer1.mua, layer2.mus, body1.mua, or with the name of a layer: gel.mua"
 ROWS = {0: 1, 1: 25, 2: 13, 3: 7}  # number of fitted mua: rows of a flight's table along each mua
@@ -43,7 +46,6 @@ OTHER_SEED = 2**40  # difference between the seed of the anchor (the last flight
 NOISY = 0.3  # largest share of a parameter's information that may be noise of the slopes
 BATCHES = 64  # number of batches from which the program computes errors
 REDRAWN = 100  # number of redrawn flights for the error of a correlation
-TINY = 1e-30  # value of bins that saw nothing, so that their logarithm is finite
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,6 +81,12 @@ class Fit:
     measured: dict[str, Any]
     measured_errors: dict[str, Any]
     places: dict[str, Any]
+
+    @property
+    def covariance(self) -> Any:
+        """Returns the covariance of the parameters, in their order."""
+        sigma = np.array(list(self.errors.values()))
+        return self.correlation * np.outer(sigma, sigma)
 
     def plot(self, output: Path, of: Optional[str] = None) -> None:
         """Draws a profile of the model beside the measured one; totals and values stand below it.
@@ -319,7 +327,7 @@ class _Model:
         if anchor is not None:
             self.shift = anchor.logs - self.flown(anchor.u)
             spread = self.spread(anchor.u, np.sqrt(np.diag(anchor.covariance)) / np.exp(anchor.logs))
-            self.turn = _share(spread, anchor.errors) * (anchor.slopes - _jacobian(self.flown, anchor.u))
+            self.turn = _share(spread, anchor.errors) * (anchor.slopes - jacobian(self.flown, anchor.u))
 
     def along(self, flight: _Flight, mua: Any) -> Any:
         logs = flight.logs
@@ -353,11 +361,11 @@ class _Model:
     def spread(self, u: Any, noise: Any) -> Any:
         """Returns standard errors [numbers, parameters] of slopes made of flights whose numbers have the standard errors
         `noise`, as if flights were independent of each other."""
-        return np.outer(noise, np.linalg.norm(_jacobian(self.shares, u), axis=0))
+        return np.outer(noise, np.linalg.norm(jacobian(self.shares, u), axis=0))
 
     def slopes_noise(self, u: Any, noise: Any) -> tuple[Any, Any]:
         """Returns standard errors of the slopes in use, and the correlation between slopes along two parameters."""
-        spread, turns = self.spread(u, noise), _jacobian(self.shares, u)
+        spread, turns = self.spread(u, noise), jacobian(self.shares, u)
         if self.anchor is not None:
             spread = spread * np.sqrt(1 - _share(spread, self.anchor.errors))
         lengths = np.maximum(np.linalg.norm(turns, axis=0), TINY)
@@ -367,36 +375,6 @@ class _Model:
 def _share(spread: Any, errors: Any) -> Any:
     """Returns the weight of numbers with standard error `errors` in their best mean with numbers of standard error `spread`."""
     return spread**2 / (spread**2 + errors**2 + TINY)
-
-
-def _jacobian(residual: Callable[[Any], Any], u: Any) -> Any:
-    h = 1e-4
-    return np.stack([(residual(u + h * e) - residual(u - h * e)) / (2 * h) for e in np.eye(len(u))], axis=1)
-
-
-def _minimum(residual: Callable[[Any], Any], u: Any, low: Any, high: Any) -> Any:
-    """Minimises the sum of squares within bounds by steps of Levenberg and Marquardt. A parameter stopped at a bound stays
-    there for a step."""
-    damping, r = 1e-3, residual(u)
-    for _ in range(200):
-        J = _jacobian(residual, u)
-        gradient = J.T @ r
-        free = ~(((u <= low) & (gradient > 0)) | ((u >= high) & (gradient < 0)))
-        if not free.any() or damping > 1e10:
-            break
-        A = J[:, free].T @ J[:, free]
-        step = np.zeros(len(u))
-        step[free] = -np.linalg.lstsq(A + damping * np.diag(np.diag(A) + 1e-12), gradient[free], rcond=None)[0]
-        there = np.clip(u + step, low, high)
-        trial = residual(there)
-        if trial @ trial <= r @ r:
-            moved = np.abs(there - u).max()
-            u, r, damping = there, trial, damping / 5
-            if moved < 1e-7:
-                break
-        else:
-            damping *= 5
-    return u
 
 
 def _errors(J: Any, noise: Any) -> tuple[Any, Any, Any]:
@@ -412,18 +390,6 @@ def _errors(J: Any, noise: Any) -> tuple[Any, Any, Any]:
     share, axes = np.linalg.eigh(root.T @ noise @ root)
     honest = root @ axes / np.sqrt(1 - np.minimum(share, 0.99))
     return honest @ honest.T, (np.abs(v[lost]) > 0.1).any(axis=0), np.sum(root**2, axis=1) < (1 - NOISY) * np.sum(honest**2, axis=1)
-
-
-def _correlation(covariance: Any) -> Any:
-    sigma = np.sqrt(np.diag(covariance))
-    return covariance / np.outer(sigma, sigma)
-
-
-def _unlikely(chi2: float, degrees: int) -> bool:
-    """True if chi2 lies more than 4 standard deviations above its mean. Normal approximation: E. B. Wilson and M. M. Hilferty
-    (1931)."""
-    width = 2 / (9 * max(degrees, 1))
-    return bool((chi2 / max(degrees, 1)) ** (1 / 3) > 1 - width + 4 * width**0.5)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -449,21 +415,21 @@ def _solve(data: Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> 
 
     def residual(u: Any) -> Any:
         return np.linalg.solve(factor, np.exp(model(u)) - data.values)
-    u = _minimum(residual, start(residual, low, high) if u is None else u, low, high)
+    u = minimum(residual, start(residual, low, high) if u is None else u, low, high)
     logs, covariance = model.noise_at(u)
     expected = np.sqrt(np.clip(data.values / np.exp(logs), 0.25, 4))
     noise = covariance * np.outer(expected, expected)
     both = np.diag(data.errors**2) + noise
     factor = np.linalg.cholesky(both)
-    u = _minimum(residual, u, low, high)
+    u = minimum(residual, u, low, high)
     sigma, there = np.maximum(np.sqrt(np.diag(noise)), TINY), np.exp(model(u))
     spread, alike = model.slopes_noise(u, sigma / there)
     spread *= there[:, None]
     slopes = alike * (spread.T @ (np.linalg.inv(both) * noise / np.outer(sigma, sigma)) @ spread)
-    jacobian = _jacobian(residual, u)
-    found, lost, noisy = _errors(jacobian, slopes)
+    J = jacobian(residual, u)
+    found, lost, noisy = _errors(J, slopes)
 
-    turns = factor @ jacobian
+    turns = factor @ J
 
     def redrawn(dice: Any) -> Any:
         """Returns the correlation that other flights of equal noise would give, with slopes and a covariance redrawn from as
@@ -471,7 +437,7 @@ def _solve(data: Data, model: _Model, low: Any, high: Any, u: Optional[Any]) -> 
         batches = root(noise) @ dice.standard_normal((len(noise), BATCHES - 1))
         drawn = root(noise / np.outer(sigma, sigma)) @ dice.standard_normal(turns.shape) @ root(alike).T
         other = np.linalg.cholesky(np.diag(data.errors**2) + batches @ batches.T / (BATCHES - 1))
-        return _correlation(_errors(np.linalg.solve(other, turns + spread * drawn), slopes)[0])
+        return correlation(_errors(np.linalg.solve(other, turns + spread * drawn), slopes)[0])
     dice = np.random.default_rng(1)
     return _Solution(u, residual(u), found, np.sqrt(np.diag(found)), lost, noisy, there, np.sqrt(np.diag(covariance)),
                      np.std([redrawn(dice) for _ in range(REDRAWN)], axis=0))
@@ -493,7 +459,7 @@ def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data
     if noisy.any():
         told.append(f"Much of what the data seem to tell of {' and '.join(name for name, much in zip(names, noisy) if much)} is noise of the "
                     "flights' slopes: more photons, for values and errors to be trusted.")
-    if _unlikely(chi2, len(data.values) - len(names)):
+    if unlikely(chi2, len(data.values) - len(names)):
         told.append(f"The model does not explain the data: chi square {chi2:.3g} is no chance.")
     if not settled:
         told.append("The last flight still moved the solution: more `flights` would settle it.")
@@ -501,9 +467,9 @@ def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data
 
 
 @shown
-def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]], measured: Mapping[str, Any], *, flights: int = 6,
-        sphere: Optional[Mapping[str, Any]] = None, **options: Unpack[FitOptions]) -> Fit:
-    """Fits absorption and scattering of layers and bodies to measurements, by least squares.
+def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]], measured: Mapping[str, Any], *, media: Optional[Callable[..., Media]] = None,
+        wavelengths: Optional[npt.ArrayLike] = None, sphere: Optional[Mapping[str, Any]] = None, flights: int = 6, **options: Unpack[FitOptions]) -> Fit:
+    """Fits absorption and scattering of layers and bodies, or parameters of media over wavelength, to measurements, by least squares.
 
     Args:
         scene: A Scene, or the path of an `.mci` file with one run.
@@ -511,8 +477,11 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
         measured: {name: (value, standard error)} of Rd, R = Rsp + Rd, Tt and detectors such as detector_near, which have no light in common;
             {name: (values, errors)} of Rd_r, Tt_r, Rd_a and Tt_a, in the units and bins of results, nan where nothing is known. The last bin of r is left out.
             M_R and M_T are readings of a single integrating sphere with a port, which `sphere` describes.
-        flights: Most flights.
+        media: Function that takes the parameters by name and returns media as `spectrum` takes them. Parameters are then any numbers, and
+            `measured` has {name: (values, errors)} of totals and detectors, one for each wavelength, nan where nothing is known.
+        wavelengths: Rising wavelengths [nm] of the data; with media.
         sphere: Arguments of `mc.sphere` that describe the instrument: {"port": 0.5, "radius": 5, "wall": 0.97, "standard": 0.99}.
+        flights: Most flights; with media, most rounds of flights at all wavelengths.
         **options: As of `run`: photons=1e5, seed=2. More photons lessen the model's own noise, which is part of the errors.
 
     Returns:
@@ -524,17 +493,27 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
         ...
         clustermcml.errors.InputError: measured['Rd'] = (0.3, 0) (expected a value and its standard error > 0, of profiles a value for each bin)
     """
+    if media is not None or wavelengths is not None:
+        if sphere is not None:
+            raise errors.refuse("sphere", sphere, "none beside media")
+        from .spectrum_fit import fit_spectrum
+        return fit_spectrum(scene, parameters, measured, media, wavelengths, flights, options)
     mua, mus, limits = _bounds(parameters)
     data = read_measured(measured, scene)
     most = errors.whole("flights", flights, len(mus) + 1, 1000)
+    flown = sphere_scene(scene, [name for name in SPHERES if name in measured], sphere) if sphere or {*SPHERES} & {*measured} else scene
+    return _fit_coefficients(flown, _numbered(scene, mua + mus), mua, mus, limits, data, most, options)
+
+
+def _fit_coefficients(scene: Union[Scene, SphereScene, Path], numbered: list[str], mua: list[str], mus: list[str],
+                      limits: Mapping[str, tuple[float, float]], data: Data, most: int, options: Mapping[str, Any]) -> Fit:
+    """Fits mua and mus with at most `most` flights. numbered: names of both by number; limits: logarithms of the bounds."""
     names = mua + mus
-    numbered = _numbered(scene, names)
     low, high = (np.array([limits[name][end] for name in names]) for end in (0, 1))
-    flown_scene = sphere_scene(scene, [name for name in SPHERES if name in measured], sphere) if sphere or {*SPHERES} & {*measured} else scene
     grids = {name: np.linspace(*limits[name], ROWS[len(mua)]) for name in mua}
 
     def fly_at(x: Any) -> _Flight:
-        return _fly(flown_scene, grids, {name: float(np.exp(value)) for name, value in zip(mus, x)}, data, options)
+        return _fly(scene, grids, {name: float(np.exp(value)) for name, value in zip(mus, x)}, data, options)
 
     def moved(found: _Solution, place: Any, reach: float) -> bool:
         return bool(np.any(np.abs(found.u[len(mua):] - place) > np.maximum(reach * found.sigma[len(mua):], 1e-3)))
@@ -549,7 +528,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     count = len(flown)
     seeded: dict[str, Any] = {**options, "seed": (flown[-1].seed + OTHER_SEED) % 2**53}
     while own and count < most:
-        anchor = _anchor(flown_scene, numbered, found.u, data, seeded)
+        anchor = _anchor(scene, numbered, found.u, data, seeded)
         found, count = _solve(data, _Model(grids, flown, anchor), low, high, found.u), count + 1
         open_ = moved(found, anchor.u[len(mua):], REACH)
         if not open_:
@@ -557,7 +536,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
     u, r, sigma = found.u, found.residual, np.where(found.lost, np.inf, found.sigma)
     values = np.exp(u)
     return Fit(values=dict(zip(names, map(float, values))), errors=dict(zip(names, map(float, values * sigma))),
-               correlation=_correlation(found.covariance), correlation_errors=found.correlation_errors, chi2=float(r @ r), degrees=len(data.values) - len(names),
+               correlation=correlation(found.covariance), correlation_errors=found.correlation_errors, chi2=float(r @ r), degrees=len(data.values) - len(names),
                words=_words(names, u, low, high, found, data, not open_), prediction=data.parted(found.model),
                prediction_errors=data.parted(found.noise), flights=count,
                measured=data.parted(data.values), measured_errors=data.parted(data.errors), places=flown[-1].places)

@@ -177,24 +177,31 @@ static inline struct cml_seen cml_seen_by(const struct cml_tally *tally)
     return (struct cml_seen){tally->detector, tally->detector_t, tally->moments};
 }
 
-/* Adds light to the sums of detector k, but not to its pixels. */
+/* Returns the group of detector k; -1: none. */
+static inline int cml_group_of(const struct cml_world *world, int k)
+{
+    return world->detection.detectors[k].group - 1;
+}
+
+/* Adds light to the sums of detector k, but not to its pixels, and to those of its group. */
 static inline void cml_add_to_detector(const struct cml_world *world, const struct cml_light_out *light,
                                        int k, const struct cml_seen *to)
 {
     const size_t gates = (size_t)world->setup.gates.count,
                  moments = CML_MOMENT_CELLS * (CML_MEDIUM_MOMENTS * cml_num_media(world) + 1);
-    to->detector[k] += light->times * light->w;
-    if (gates) to->detector_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
-    cml_add_moments(world, light, to->moments + (size_t)k * moments);
+    for (; k >= 0; k = cml_group_of(world, k)) {
+        to->detector[k] += light->times * light->w;
+        if (gates) to->detector_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
+        cml_add_moments(world, light, to->moments + (size_t)k * moments);
+    }
 }
 
 /* Scores light by a share of a circle (P13): light leaves alike all about the axis, and the detector of the
  * arc counts the share of the circle that it sees. */
 static inline void cml_score_arc(const struct cml_world *world, const struct cml_light_out *light,
-                                 const struct cml_seen *to)
+                                 struct cml_arc arc, const struct cml_seen *to)
 {
-    const struct cml_arc arc = world->detection.arc;
-    const struct cml_detector *detector = &world->detection.detectors[arc.detector - 1];
+    const struct cml_detector *detector = &world->detection.detectors[arc.detector];
     const struct cml_detector_level *level = &world->detection.levels[arc.level];
     struct cml_light_out part = *light;
     real x, y;
@@ -205,7 +212,7 @@ static inline void cml_score_arc(const struct cml_world *world, const struct cml
         (detector->aimed && !cml_is_in_cone(detector, light->ray.u)))
         return;
     part.w = (cml_u32)CML_FMA((real)light->w, cml_arc_share(arc, CML_SQRT(CML_FMA(x, x, y * y))), light->lot);
-    if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, to);
+    if (part.w) cml_add_to_detector(world, &part, arc.detector, to);
 }
 
 /* Adds light to the pixel of a detector that sees it. */
@@ -232,10 +239,10 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
     const struct cml_detection *detection = &world->detection;
     int seen = 0;
     struct cml_seeing seeing = cml_seeing_of(world, &light->ray);
-    if (detection->arc.detector) cml_score_arc(world, light, to);
+    for (int i = 0; i < detection->num_arcs; i++) cml_score_arc(world, light, detection->arcs[i], to);
     for (int k; (k = cml_next_seeing(&seeing)) >= 0;) {
         const struct cml_detector *detector = &detection->detectors[k];
-        if (k + 1 == detection->arc.detector) continue;
+        if (detector->arc) continue;
         seen = seen && seen <= k ? seen : k + 1;
         cml_add_to_detector(world, light, k, to);
         if (!pixels || detector->shape != CML_DETECTOR_MAP) continue;

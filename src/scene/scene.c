@@ -31,7 +31,7 @@ void cml_scene_ask_nothing(struct cml_scene *scene)
     scene->directions = (struct cml_directions_def){0};
     scene->fluence = (struct cml_fluence_def){0};
     scene->saved = (struct cml_saved_def){0};
-    scene->num_detectors = 0;
+    scene->num_detectors = scene->num_groups = 0;
 }
 
 void cml_boundary_clear(struct cml_boundary *boundary)

@@ -103,6 +103,7 @@ class Detector:
                 raise errors.refuse("Detector." + name, value, "1 to 24 letters, digits and underscores")
 
     def line(self) -> str:
+        """Returns the line of the detector in an .mci file."""
         if self.file is not None:
             return "detector table " + errors.quoted_file("Detector.file", self.file)
         words = ["detector", self.kind] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]

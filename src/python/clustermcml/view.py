@@ -28,6 +28,7 @@ HALF = {"pencil": 0.0, "disk": 1.0, "gaussian": 1.0, "ring": 1.0, "rectangle": 0
 # ---- sections ----
 
 def _read_obj(path: str) -> tuple[Any, Any]:
+    """Reads the corners and the triangles of an .obj file of boundaries or bodies."""
     points, facets = [], []
     with open(path, encoding="utf-8", errors="replace") as file:
         for line in file:
@@ -163,6 +164,7 @@ def _depth(scene: dict[str, Any], depths: list[tuple[float, float]], width: floa
 # ---- drawing ----
 
 def _beam_words(beam: dict[str, Any], number: str) -> str:
+    """Returns the words that describe a beam in a picture."""
     size, words = beam["size"], {"gaussian": "Gaussian"}.get(beam["shape"], beam["shape"])
     if beam["shape"] in ("disk", "gaussian"):
         words += f", R = {size[0]:g} cm"

@@ -138,6 +138,8 @@ struct cml_direction_bins {
  * count from the scene's origin. */
 struct cml_detector {
     int shape; /* enum cml_detector_shape */
+    int group; /* number of the detector that sums this one and others, from 1; 0: none */
+    int arc;   /* 1: the detector counts shares of circles, by an arc of the detection */
     /* aimed: sees only a cone about the axis, not all angles. diffuse: sees no light that has never been in
      * the material. */
     int aimed, diffuse;
@@ -166,19 +168,20 @@ struct cml_detector_level {
  * of its own. */
 enum { CML_SPLIT_UNSEEN, CML_SPLIT_ALIKE, CML_SPLIT_APART };
 
-/* The detector that counts shares of circles (P13). A scene has one if it looks the same all about the
+/* A detector that counts shares of circles (P13). A scene may have some if it looks the same all about the
  * first beam's axis. Light may then leave anywhere on a circle about this axis, and the detector counts
  * the share of the circle that lies in its ring. The ring's middle is `away` from the axis; inner and
  * outer are its radii, cm. */
 struct cml_arc {
-    int detector, level; /* number of the detector, from 1 (0: there is none), and its level */
+    int detector, level; /* index of the detector, and of its level */
     real away, inner, outer;
 };
 
 struct cml_detection {
     int num_detectors, num_levels;
     int split;
-    struct cml_arc arc;
+    int num_arcs;
+    const struct cml_arc *arcs;
     const struct cml_detector *detectors;
     const struct cml_detector_level *levels;
     const int *start, *list;

@@ -87,15 +87,20 @@ CML_FN void cml_take_branch(const struct cml_world *world, struct cml_branches *
     for (int m = 0; trail.stay && m < media; m++) trail.stay[m] = from->stay[at + m];
 }
 
-/* Returns the number of parts of about the weight `target` into which a packet splits. packet->spent says how
- * much of the budget of CML_MOST_OF_FAMILY branches is used up; the parts share the rest equally. */
+/* Returns the number of parts of about the weight `target` into which a packet splits: 1 if the stack has no
+ * room for the others. packet->spent says how much of the budget of CML_MOST_OF_FAMILY branches is used up;
+ * the parts share the rest equally. */
 CML_FN cml_u32 cml_parts_of(struct cml_branches *to, struct cml_packet *packet, cml_u32 target)
 {
-    const cml_u32 wanted = (packet->w + target / 2) / target, left = CML_MOST_OF_FAMILY - packet->spent;
-    cml_u32 parts = wanted < CML_MOST_PARTS ? wanted : CML_MOST_PARTS;
-    to->clipped += parts < wanted;
-    to->spent += left < parts - 1;
-    if (left < parts - 1) parts = left + 1;
+    const cml_u32 wanted = (packet->w + target / 2) / target, left = CML_MOST_OF_FAMILY - packet->spent,
+                  most = wanted < CML_MOST_PARTS ? wanted : CML_MOST_PARTS,
+                  parts = left < most - 1 ? left + 1 : most;
+    if (to->count + (int)parts - 1 > to->most) {
+        to->whole++;
+        return 1;
+    }
+    to->clipped += most < wanted;
+    to->spent += parts < most;
     packet->spent = CML_MOST_OF_FAMILY - (left - (parts - 1)) / parts;
     return parts;
 }
@@ -109,16 +114,11 @@ CML_FN cml_u32 cml_spent_after(cml_u32 spent, cml_u32 w, cml_u32 survivor)
     return left < CML_MOST_OF_FAMILY ? CML_MOST_OF_FAMILY - (cml_u32)left : 0;
 }
 
-/* Splits a packet into parts of about the weight `target`. The packet itself becomes the first part. If the
- * stack has no room for the others, the packet stays whole. */
+/* Splits a packet into parts of about the weight `target`. The packet itself becomes the first part. */
 CML_FN void cml_split(const struct cml_world *world, struct cml_branches *to, struct cml_packet *packet,
                       cml_u32 target)
 {
     const cml_u32 parts = cml_parts_of(to, packet, target), rest = packet->w % parts;
-    if (to->count + (int)parts - 1 > to->most) {
-        to->whole++;
-        return;
-    }
     for (cml_u32 k = 1; k < parts; k++) cml_branch_off(world, to, packet, k, packet->w / parts + (k < rest));
     packet->w = packet->w / parts + (rest > 0);
 }

@@ -126,13 +126,32 @@ static double distance_between(const struct cml_beam *beam, const struct cml_det
     return hypot(beam->x - detector->x, beam->y - detector->y);
 }
 
+/* A detector at which an aim looks: detector `number`, from 1, or the members of a group of this number. */
+struct target {
+    const struct cml_scene *scene;
+    int number, members;
+    bool arcs;                  /* the detectors score light by arcs (P13) */
+    double x, y;                /* middle of the windows, cm */
+    struct cml_seen_rings seen; /* rings about this middle that contain the detectors */
+    double area;                /* area of all detectors divided by pi, cm2 */
+};
+
+/* Returns the next detector of the target from index k on; NULL: no more. */
+static const struct cml_detector_def *member_from(const struct target *target, int *k)
+{
+    for (; *k < cml_num_areas(target->scene); ++*k) {
+        const struct cml_detector_def *detector = &target->scene->detectors[*k];
+        if (*k + 1 == target->number || detector->in_group == target->number) return detector;
+    }
+    return NULL;
+}
+#define EACH_MEMBER(target, detector) (int k_ = 0; ((detector) = member_from((target), &k_)) != NULL; k_++)
+
 /* True if the detector can score light by arcs (P13): light that crosses a circle about the beam's axis
  * counts with the share of the circle that lies in the detector. */
-static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                      const struct cml_detector_def *detector)
+static bool sees_arcs(const struct cml_detector_def *detector)
 {
-    return detector->shape == CML_DETECTOR_RING && !(detector->aimed && detector->angle > 0) &&
-           distance_between(scene->beams, detector) > 0 && is_symmetric(scene, surfaces);
+    return detector->shape == CML_DETECTOR_RING && !(detector->aimed && detector->angle > 0);
 }
 
 /* Returns the ring about the middle of the windows that contains the detector. A rectangle counts as a disk
@@ -146,39 +165,121 @@ static struct cml_seen_ring ring_of(const struct cml_detector_def *detector, dou
     return (struct cml_seen_ring){detector->below, fmax(0, away - outer), away + outer};
 }
 
-/* Returns the radius of the windows, cm: twice the largest distance between a beam and the detector's outer
- * edge. Light from farther away, or from deeper, hardly reaches the detector. */
-static double reach_of(const struct cml_scene *scene, const struct cml_detector_def *detector, double outer)
+/* Returns the area of a ring divided by pi, cm2. */
+static double area_of(struct cml_seen_ring ring)
 {
+    return ring.outer * ring.outer - ring.inner * ring.inner;
+}
+
+/* Returns the area of all rings divided by pi, cm2. */
+static double area_of_all(struct cml_seen_rings seen)
+{
+    double sum = 0;
+    for (int i = 0; i < seen.count; i++) sum += area_of(seen.item[i]);
+    return sum;
+}
+
+/* Sets the middle of the windows: the beam's axis if the detectors score arcs, else the middle of the
+ * rectangle around all detectors. */
+static void find_middle(struct target *target)
+{
+    const struct cml_detector_def *detector;
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    for
+        EACH_MEMBER(target, detector)
+        {
+            const double at[2] = {detector->x, detector->y};
+            for (int i = 0; i < 2; i++) {
+                low[i] = fmin(low[i], at[i]);
+                high[i] = fmax(high[i], at[i]);
+            }
+            target->members++;
+            target->arcs = target->arcs && sees_arcs(detector);
+        }
+    target->x = target->arcs ? target->scene->beams->x : low[0] + 0.5 * (high[0] - low[0]);
+    target->y = target->arcs ? target->scene->beams->y : low[1] + 0.5 * (high[1] - low[1]);
+}
+
+static int compare_rings(const void *a, const void *b)
+{
+    const struct cml_seen_ring *one = a, *other = b;
+    return (one->inner > other->inner) - (one->inner < other->inner);
+}
+
+/* Fills target->seen[members] with the rings of all detectors; rings that overlap become one. */
+static void find_rings(struct target *target)
+{
+    const struct cml_detector_def *detector;
+    struct cml_seen_ring *item = target->seen.item;
+    int count = 0, last = 0;
+    for
+        EACH_MEMBER(target, detector)
+        {
+            target->area += area_of(ring_of(detector, 0));
+            item[count++] = ring_of(detector, hypot(detector->x - target->x, detector->y - target->y));
+        }
+    qsort(item, (size_t)count, sizeof *item, compare_rings);
+    for (int i = 1; i < count; i++)
+        if (item[i].inner > item[last].outer)
+            item[++last] = item[i];
+        else
+            item[last].outer = fmax(item[last].outer, item[i].outer);
+    target->seen.count = last + 1;
+}
+
+/* Makes the target of an aim. The caller frees target->seen.item. */
+static cml_status find_target(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                              int number, struct target *target, struct cml_error *err)
+{
+    *target = (struct target){.scene = scene, .number = number, .arcs = is_symmetric(scene, surfaces)};
+    find_middle(target);
+    target->seen.item = calloc((size_t)target->members, sizeof *target->seen.item);
+    if (!target->seen.item)
+        return cml_fail_memory(err, target->members * (double)sizeof *target->seen.item, "weight windows");
+    find_rings(target);
+    return CML_OK;
+}
+
+/* Returns the radius of the windows, cm: twice the largest distance between a beam and the outer edge of the
+ * detectors. Light from farther away, or from deeper, hardly reaches them. */
+static double reach_of(const struct target *target)
+{
+    const struct cml_detector_def *detector;
+    const double outer = target->seen.item[target->seen.count - 1].outer;
     double farthest = outer;
-    for (int k = 0; k < scene->num_beams; k++)
-        farthest = fmax(farthest, distance_between(&scene->beams[k], detector));
+    for (int k = 0; k < target->scene->num_beams; k++)
+        for
+            EACH_MEMBER(target, detector)
+    farthest = fmax(farthest, distance_between(&target->scene->beams[k], detector));
     return 2 * (farthest + outer);
 }
 
-/* Returns the area of a ring divided by pi, cm2. */
-static double area_of(double inner, double outer)
+/* Returns the share of the light that the detectors' apertures take, in the mean. */
+static double accepted_by(const struct target *target)
 {
-    return outer * outer - inner * inner;
+    const struct cml_detector_def *detector;
+    double sum = 0;
+    for
+        EACH_MEMBER(target, detector) sum += cml_accepted_by(target->scene, detector);
+    return sum / target->members;
 }
 
-/* Returns the layout of the windows for detector `number`, from 1: cells and size, without the weights. */
-static struct cml_window_table lay_out(const struct cml_scene *scene, const struct cml_medium_def *media,
-                                       int number, bool arcs, struct cml_seen_ring seen)
+/* Returns the layout of the windows for the target: cells and size, without the weights. */
+static struct cml_window_table lay_out(const struct target *target, const struct cml_medium_def *media)
 {
-    const struct cml_detector_def *detector = &scene->detectors[number - 1];
-    const double depth = depth_of(media, scene->num_layers), reach = reach_of(scene, detector, seen.outer);
-    return (struct cml_window_table){
-        .layers = scene->num_layers,
-        .detector = number,
-        .share = arcs ? area_of(detector->size[0], detector->size[1]) / area_of(seen.inner, seen.outer) : 1,
-        .accepted = cml_accepted_by(scene, detector),
-        .cells = CELLS,
-        .rings = RINGS,
-        .depth = detector->below ? depth : fmin(depth, reach),
-        .x = arcs ? scene->beams->x : detector->x,
-        .y = arcs ? scene->beams->y : detector->y,
-        .reach = reach};
+    const struct cml_scene *scene = target->scene;
+    const double depth = depth_of(media, scene->num_layers), reach = reach_of(target),
+                 share = fmin(1, target->area / area_of_all(target->seen));
+    return (struct cml_window_table){.layers = scene->num_layers,
+                                     .detector = target->number,
+                                     .share = target->arcs ? share : 1,
+                                     .accepted = accepted_by(target) * (target->arcs ? 1 : share),
+                                     .cells = CELLS,
+                                     .rings = RINGS,
+                                     .depth = target->seen.item->below ? depth : fmin(depth, reach),
+                                     .x = target->x,
+                                     .y = target->y,
+                                     .reach = reach};
 }
 
 /* Returns the largest importance of all cells. */
@@ -193,7 +294,7 @@ static double largest(const double *importance)
  * weight falls as its light is absorbed, so the mean is the share that arrives if every layer absorbs twice
  * as much, divided by the share that arrives. The roulette keeps the mean above 0.008. */
 static cml_status weigh_plain(const struct cml_scene *scene, const struct cml_medium_def *media,
-                              struct cml_seen_ring seen, const struct cml_window_table *windows,
+                              struct cml_seen_rings seen, const struct cml_window_table *windows,
                               double *importance, double *weight, struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 2;
@@ -208,24 +309,23 @@ static cml_status weigh_plain(const struct cml_scene *scene, const struct cml_me
     return status;
 }
 
-/* Makes the weight windows for light that one detector sees, and estimates their gain. */
+/* Makes the weight windows for light that a detector or a group sees, and estimates their gain. */
 cml_status cml_windows_at(const char *aim, const struct cml_scene *scene,
                           const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                           int number, struct cml_window_table *windows, struct cml_error *err)
 {
-    const struct cml_detector_def *detector = &scene->detectors[number - 1];
-    const bool arcs = sees_arcs(scene, surfaces, detector);
-    const struct cml_seen_ring seen = ring_of(detector, arcs ? distance_between(scene->beams, detector) : 0);
-    double *importance = malloc(RINGS * CELLS * sizeof *importance);
+    struct target target;
+    CML_TRY(find_target(scene, surfaces, number, &target, err));
+    CML_FREED struct cml_seen_ring *rings = target.seen.item;
+    CML_FREED double *importance = malloc(RINGS * CELLS * sizeof *importance);
     if (!importance) return cml_fail_memory(err, RINGS * CELLS * sizeof *importance, "weight windows");
-    *windows = lay_out(scene, media, number, arcs, seen);
-    cml_status status = cml_importance_of_place(media, scene->num_layers, seen, windows->reach,
-                                                windows->depth, RINGS, CELLS, importance, err);
-    if (status == CML_OK) status = fill_windows(aim, scene, media, importance, windows, err);
+    *windows = lay_out(&target, media);
+    CML_TRY(cml_importance_of_place(media, scene->num_layers, target.seen, windows->reach, windows->depth,
+                                    RINGS, CELLS, importance, err));
+    CML_TRY(fill_windows(aim, scene, media, importance, windows, err));
     const double most = largest(importance);
     double weight = 1;
-    if (status == CML_OK) status = weigh_plain(scene, media, seen, windows, importance, &weight, err);
-    windows->gain = cml_gain_at(detector, windows, weight, most);
-    free(importance);
-    return status;
+    CML_TRY(weigh_plain(scene, media, target.seen, windows, importance, &weight, err));
+    windows->gain = cml_gain_at(&scene->detectors[number - 1], windows, weight, most);
+    return CML_OK;
 }

@@ -180,26 +180,32 @@ static inline struct cml_seen cml_seen_by(const struct cml_tally *tally)
     return (struct cml_seen){tally->detector, tally->detector_t, tally->moments};
 }
 
-/* Adds light to the sums of detector k: total, time gate, and moments of path and depth. The pixels of a
- * detector that is a map are added elsewhere. */
+/* Returns the group of detector k; -1: none. */
+static inline int cml_group_of(const struct cml_world *world, int k)
+{
+    return world->detection.detectors[k].group - 1;
+}
+
+/* Adds light to the sums of detector k, but not to its pixels, and to those of its group. */
 static inline void cml_add_to_detector(const struct cml_world *world, const struct cml_light_out *light,
                                        int k, const struct cml_seen *to)
 {
     const size_t gates = (size_t)world->setup.gates.count,
                  moments = CML_MOMENT_CELLS * (CML_MEDIUM_MOMENTS * cml_num_media(world) + 1);
-    to->detector[k] += light->times * light->w;
-    if (gates) to->detector_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
-    cml_add_moments(world, light, to->moments + (size_t)k * moments);
+    for (; k >= 0; k = cml_group_of(world, k)) {
+        to->detector[k] += light->times * light->w;
+        if (gates) to->detector_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
+        cml_add_moments(world, light, to->moments + (size_t)k * moments);
+    }
 }
 
 /* Scores light for a detector beside the axis of a scene that is the same all about the axis (P13). Light
  * that leaves at a distance r may leave anywhere on the circle of radius r. The detector therefore counts
  * the share of the circle that lies in it, with less noise than counting hits. */
 static inline void cml_score_arc(const struct cml_world *world, const struct cml_light_out *light,
-                                 const struct cml_seen *to)
+                                 struct cml_arc arc, const struct cml_seen *to)
 {
-    const struct cml_arc arc = world->detection.arc;
-    const struct cml_detector *detector = &world->detection.detectors[arc.detector - 1];
+    const struct cml_detector *detector = &world->detection.detectors[arc.detector];
     const struct cml_detector_level *level = &world->detection.levels[arc.level];
     struct cml_light_out part = *light;
     real x, y;
@@ -210,7 +216,7 @@ static inline void cml_score_arc(const struct cml_world *world, const struct cml
         (detector->aimed && !cml_is_in_cone(detector, light->ray.u)))
         return;
     part.w = (cml_u32)CML_FMA((real)light->w, cml_arc_share(arc, CML_SQRT(CML_FMA(x, x, y * y))), light->lot);
-    if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, to);
+    if (part.w) cml_add_to_detector(world, &part, arc.detector, to);
 }
 
 /* Adds light to the pixel of a detector map that sees it, and to its sum of squares if standard errors come
@@ -238,10 +244,10 @@ static inline int cml_score_light(const struct cml_world *world, const struct cm
     const struct cml_detection *detection = &world->detection;
     int seen = 0;
     struct cml_seeing seeing = cml_seeing_of(world, &light->ray);
-    if (detection->arc.detector) cml_score_arc(world, light, to);
+    for (int i = 0; i < detection->num_arcs; i++) cml_score_arc(world, light, detection->arcs[i], to);
     for (int k; (k = cml_next_seeing(&seeing)) >= 0;) {
         const struct cml_detector *detector = &detection->detectors[k];
-        if (k + 1 == detection->arc.detector) continue;
+        if (detector->arc) continue;
         seen = seen && seen <= k ? seen : k + 1;
         cml_add_to_detector(world, light, k, to);
         if (!pixels || detector->shape != CML_DETECTOR_MAP) continue;

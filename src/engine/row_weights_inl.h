@@ -510,18 +510,18 @@ static inline void cml_rows_add_moments(const struct cml_world *world, const str
     if (deepest) cml_rows_add_moment(of, first + 2 * numbers, deepest);
 }
 
-/* Adds light that leaves to all detectors that see it, once for each row of a sweep with the row's own
- * weight; also to the detector's moments and time gates if there are any. */
+/* Adds the light to all detectors that see it, and to their groups, as each row weighs it. */
 static inline void cml_rows_detect(const struct cml_world *world, const struct cml_row_light *of)
 {
     const struct cml_layout *at = &of->rows->sums->at;
     const size_t gates = (size_t)world->setup.gates.count;
     struct cml_seeing seeing = cml_seeing_of(world, &of->light->ray);
-    for (int k; (k = cml_next_seeing(&seeing)) >= 0;) {
-        cml_rows_add(of, at->detector + (size_t)k);
-        if (of->rows->sums->means) cml_rows_add_moments(world, of, (size_t)k);
-        if (gates) cml_rows_add(of, at->detector_t + (size_t)k * (gates + 1) + (size_t)of->light->gate);
-    }
+    for (int seen; (seen = cml_next_seeing(&seeing)) >= 0;)
+        for (int k = seen; k >= 0; k = cml_group_of(world, k)) {
+            cml_rows_add(of, at->detector + (size_t)k);
+            if (of->rows->sums->means) cml_rows_add_moments(world, of, (size_t)k);
+            if (gates) cml_rows_add(of, at->detector_t + (size_t)k * (gates + 1) + (size_t)of->light->gate);
+        }
 }
 
 /* Adds a packet that leaves the scene to the bin of its direction, once for each row of a sweep with the

@@ -271,7 +271,7 @@ static inline void cml_tally_direction(const struct cml_setup *setup, const stru
  * is wanted. */
 static inline real cml_lot_of(const struct cml_world *world, cml_u64 index)
 {
-    if (!world->detection.arc.detector) return 0;
+    if (!world->detection.num_arcs) return 0;
     return cml_uniform(cml_draw(world->setup.stream, index, CML_PURPOSE_BRANCH, 0).w[0]);
 }
 

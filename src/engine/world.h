@@ -44,6 +44,7 @@ struct cml_owned_world {
     cml_u32 *image_words;
     struct cml_detector *detectors; /* [num_detectors] */
     struct cml_detector_level *detector_levels;
+    struct cml_arc *detector_arcs;
     int *detector_start, *detector_list;
     real *row_more, *row_hits, *row_part, *row_most; /* arrays of struct cml_rows */
     size_t num_light_cells, num_image_words;

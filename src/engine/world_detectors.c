@@ -19,7 +19,8 @@ static struct cml_detector detector_of(const struct cml_scene *scene, const doub
     const double n = scene->media[def->below ? scene->num_layers + 1 : 0].n;
     const double sine = sin(def->angle), half_w = def->nx * def->size[0] / 2,
                  half_h = def->ny * def->size[1] / 2;
-    struct cml_detector d = {.shape = (int)def->shape, .aimed = def->aimed, .diffuse = def->diffuse};
+    struct cml_detector d = {
+        .shape = (int)def->shape, .group = def->in_group, .aimed = def->aimed, .diffuse = def->diffuse};
     d.axis = cml_vec_of(sine * cos(def->azimuth), sine * sin(def->azimuth),
                         (def->below ? 1 : -1) * cos(def->angle));
     d.most_sine2 = (real)(def->na < n ? (def->na / n) * (def->na / n) : 2);
@@ -232,7 +233,7 @@ static int compare_places(const void *a, const void *b)
 static cml_status add_levels(const struct cml_scene *scene, const double origin[2], const struct place *place,
                              struct detection *d, int *num_levels, struct cml_error *err)
 {
-    const int n = scene->num_detectors;
+    const int n = cml_num_areas(scene);
     for (int first = 0, end; first < n; first = end) {
         struct level level = {.scene = scene, .place = place + first, .origin = origin};
         for (end = first;
@@ -257,15 +258,13 @@ static int split_of(const struct cml_world *world, int num_detectors, const stru
     return CML_SPLIT_UNSEEN;
 }
 
-/* Returns the detector that counts shares of circles, if the windows ask for one. Distances count from the
- * beam's axis. */
-static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_window_table *windows,
-                             int num_levels, const struct cml_owned_world *to)
+/* Returns the arc of detector k. Distances count from the beam's axis. */
+static struct cml_arc arc_of(const struct cml_scene *scene, int k, int num_levels,
+                             const struct cml_owned_world *to)
 {
-    if (!windows || !windows->detector || !(windows->share < 1)) return (struct cml_arc){0};
-    const struct cml_detector_def *def = &scene->detectors[windows->detector - 1];
+    const struct cml_detector_def *def = &scene->detectors[k];
     const real z = (real)(def->z - scene->boundaries[def->below ? scene->num_layers : 0].z);
-    struct cml_arc arc = {.detector = windows->detector,
+    struct cml_arc arc = {.detector = k,
                           .away = (real)hypot(def->x - scene->beams->x, def->y - scene->beams->y),
                           .inner = (real)def->size[0],
                           .outer = (real)def->size[1]};
@@ -275,8 +274,25 @@ static struct cml_arc arc_of(const struct cml_scene *scene, const struct cml_win
     return arc;
 }
 
-/* Makes the detectors in the form that the walk reads: in the order of the scene, and sorted into levels
- * (planes of one depth), each with a grid of cells. */
+/* Fills to->arcs[] with the detectors that count shares of circles, if the windows ask for them: the detector
+ * of the aim, or the members of its group. A ring about the beam's axis needs no arc, because it sees whole
+ * circles. Returns their number. */
+static int set_arcs(const struct cml_scene *scene, const struct cml_window_table *windows, int num_levels,
+                    struct cml_owned_world *to)
+{
+    int count = 0;
+    if (!windows || !windows->detector || !(windows->share < 1)) return 0;
+    for (int k = 0; k < cml_num_areas(scene); k++) {
+        if (k + 1 != windows->detector && scene->detectors[k].in_group != windows->detector) continue;
+        const struct cml_arc arc = arc_of(scene, k, num_levels, to);
+        to->detectors[k].arc = arc.away > 0;
+        if (arc.away > 0) to->detector_arcs[count++] = arc;
+    }
+    return count;
+}
+
+/* Fills the detectors in the order of the scene, and sorts their places into levels, each with a grid of
+ * cells. */
 cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                              const struct cml_window_table *windows, struct cml_owned_world *to,
                              struct cml_error *err)
@@ -290,6 +306,7 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
     struct place *place = malloc(n * sizeof *place);
     to->detectors = cml_arrays_add(&to->arrays, n, sizeof *to->detectors);
     to->detector_levels = cml_arrays_add(&to->arrays, n, sizeof *to->detector_levels);
+    to->detector_arcs = cml_arrays_add(&to->arrays, n, sizeof *to->detector_arcs);
     if (!place || to->arrays.failed) {
         free(place);
         return cml_fail_memory(err, (double)(n * sizeof *to->detectors), "detectors");
@@ -301,19 +318,20 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
         to->detectors[k].first_pixel = pixels;
         if (def->shape == CML_DETECTOR_MAP) pixels += (cml_u64)def->nx * (cml_u64)def->ny;
     }
-    qsort(place, n, sizeof *place, compare_places);
+    qsort(place, (size_t)cml_num_areas(scene), sizeof *place, compare_places);
     const cml_status status = add_levels(scene, surfaces->origin.at, place, &d, &num_levels, err);
     free(place);
-    to->world.detection =
-        (struct cml_detection){.num_detectors = (int)n,
-                               .num_levels = num_levels,
-                               .arc = arc_of(scene, windows, num_levels, to),
-                               .split = split_of(&to->world, (int)n, to->detectors, scene->detectors),
-                               .detectors = to->detectors,
-                               .levels = to->detector_levels,
-                               .start = to->detector_start,
-                               .list = to->detector_list,
-                               .per_length = 1 / grid.path_unit,
-                               .top = grid.path_top};
+    to->world.detection = (struct cml_detection){
+        .num_detectors = (int)n,
+        .num_levels = num_levels,
+        .num_arcs = set_arcs(scene, windows, num_levels, to),
+        .arcs = to->detector_arcs,
+        .split = split_of(&to->world, cml_num_areas(scene), to->detectors, scene->detectors),
+        .detectors = to->detectors,
+        .levels = to->detector_levels,
+        .start = to->detector_start,
+        .list = to->detector_list,
+        .per_length = 1 / grid.path_unit,
+        .top = grid.path_top};
     return status;
 }

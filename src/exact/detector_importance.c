@@ -66,12 +66,16 @@ static double area(const struct volumes *volumes, int ring)
     return M_PI * (pow(volumes->border[ring + 1], 2) - pow(volumes->border[ring], 2));
 }
 
-/* Returns how much of a ring's area the detector sees, cm2. */
-static double seen_area(const struct volumes *volumes, int ring, struct cml_seen_ring seen)
+/* Returns the area of a ring that the detector sees, cm^2. */
+static double seen_area(const struct volumes *volumes, int ring, struct cml_seen_rings seen)
 {
-    const double inner = fmax(seen.inner, volumes->border[ring]),
-                 outer = fmin(seen.outer, volumes->border[ring + 1]);
-    return outer > inner ? M_PI * (outer * outer - inner * inner) : 0;
+    double sum = 0;
+    for (int i = 0; i < seen.count; i++) {
+        const double inner = fmax(seen.item[i].inner, volumes->border[ring]),
+                     outer = fmin(seen.item[i].outer, volumes->border[ring + 1]);
+        sum += outer > inner ? M_PI * (outer * outer - inner * inner) : 0;
+    }
+    return sum;
 }
 
 /* Returns the flow between a volume and the one below it in the same ring, per difference of their values. */
@@ -89,9 +93,8 @@ static double flow_out(const struct volumes *volumes, int ring, int piece)
            (border[ring + 2] - border[ring]);
 }
 
-/* Sets one row of the equations of diffusion for the importance of light: flows between volume (ring, piece)
- * and its neighbours, absorption, and as source the flow from the detector. `band` is a band matrix. */
-static void set_row(struct volumes *volumes, int ring, int piece, struct cml_seen_ring seen)
+/* Sets the matrix row of a volume, and its source: the flow into it from the detector. */
+static void set_row(struct volumes *volumes, int ring, int piece, struct cml_seen_rings seen)
 {
     const int n = volumes->pieces, k = ring * n + piece;
     double *row = volumes->band + (size_t)k * (size_t)(n + 1), *diagonal = row + n;
@@ -100,7 +103,7 @@ static void set_row(struct volumes *volumes, int ring, int piece, struct cml_see
         if (piece != (side ? n - 1 : 0)) continue;
         const double way = volumes->h[piece] / 2 / volumes->D[piece] + volumes->longer[side];
         *diagonal += area(volumes, ring) / way;
-        if (side == seen.below) volumes->value[k] = seen_area(volumes, ring, seen) / way;
+        if (side == seen.item->below) volumes->value[k] = seen_area(volumes, ring, seen) / way;
     }
     if (piece < n - 1) {
         const double flow = flow_down(volumes, ring, piece);
@@ -169,9 +172,8 @@ static void *doubles(struct cml_arrays *arrays, size_t count)
     return cml_arrays_add(arrays, count, sizeof(double));
 }
 
-/* Computes how much light at each distance from the axis (ring) and each depth matters for what a detector
- * sees: the diffusion equation, solved in finite volumes. */
-cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers, struct cml_seen_ring seen,
+/* Computes the importance of light by ring and depth, from the diffusion equation in finite volumes. */
+cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers, struct cml_seen_rings seen,
                                    double reach, double depth, int rings, int cells, double *value,
                                    struct cml_error *err)
 {

@@ -20,10 +20,16 @@ struct cml_seen_ring {
     double inner, outer;
 };
 
+/* Rings on one face that share no place and have one middle; item[count]. */
+struct cml_seen_rings {
+    struct cml_seen_ring *item;
+    int count;
+};
+
 /* Computes value[rings][cells]: the importance by ring and depth. Ring i begins at the radius reach (i /
  * rings)^2 about the middle of `seen`; `depth`, at most that of all layers, is cut into equal cells. media:
  * [layers + 2], with planes between them. The diffusion equation knows no directions, and is wrong within a
  * transport mean free path: good enough for weight windows. CML_E_INPUT: out of memory. */
 CML_NODISCARD cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers,
-                                                 struct cml_seen_ring seen, double reach, double depth,
+                                                 struct cml_seen_rings seen, double reach, double depth,
                                                  int rings, int cells, double *value, struct cml_error *err);

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #define MOST_DETECTORS 32767
-#define MOST_NAME 24
 
 /* ---- keys of a detector ---- */
 
@@ -66,9 +65,7 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
 
 /* ---- options ---- */
 
-/* Reads the name of a detector: letters, digits and underscores. A name with an ending that results of
- * detectors use, such as "_t" in detector_NAME_t, is refused, because two results could then have one
- * name. */
+/* Reads the option `name` or `group`, a name of results. */
 static cml_status set_name(struct cml_mci_line *line)
 {
     struct cml_detector_def *detector = line->context;
@@ -76,12 +73,15 @@ static cml_status set_name(struct cml_mci_line *line)
     const char *name = line->value;
     char expected[80];
     const size_t size = strlen(name);
-    if (size == 0 || size > MOST_NAME || strspn(name, letters) < size)
+    if (size == 0 || size >= CML_DETECTOR_NAME || strspn(name, letters) < size)
         return cml_mci_fail_value(line, line->key->noun);
     const char *ending = cml_quantity_ending(name);
-    if (!ending) return cml_text_copy(name, &detector->name, line->reader->err);
-    snprintf(expected, sizeof expected, "a name that does not end in %s, as names of results do", ending);
-    return cml_mci_fail_value(line, expected);
+    snprintf(expected, sizeof expected, "a name that does not end in %s, as names of results do",
+             ending ? ending : "");
+    if (ending) return cml_mci_fail_value(line, expected);
+    if (strcmp(line->key->name, "name") == 0) return cml_text_copy(name, &detector->name, line->reader->err);
+    strcpy(detector->group, name);
+    return CML_OK;
 }
 
 /* Stores the value of a detector's keys that need their own code: its name, and the side it lies on. */
@@ -89,7 +89,7 @@ static cml_status set_own(struct cml_mci_line *line)
 {
     static const char *const sides[] = {"top", "bottom"};
     struct cml_detector_def *detector = line->context;
-    if (strcmp(line->key->name, "name") == 0) return set_name(line);
+    if (strcmp(line->key->name, "side") != 0) return set_name(line);
     const int side = cml_mci_choose(line->value, sides, 2);
     detector->below = side == 1;
     return side >= 0 ? CML_OK : cml_mci_fail_value(line, line->key->noun);
@@ -190,6 +190,39 @@ static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene 
     return detector->name ? CML_OK : cml_text_copy(number, &detector->name, reader->err);
 }
 
+/* Makes the group of detector k, behind all other detectors. */
+static cml_status add_group(const struct cml_mci_reader *reader, struct cml_scene *scene, int k)
+{
+    const int n = scene->num_detectors;
+    if (n == MOST_DETECTORS)
+        return fail_detector(reader, scene, k, "detector: group", scene->detectors[k].group,
+                             "at most 32767 detectors and groups");
+    CML_TRY(cml_array_grow(&scene->detectors, (size_t)n, sizeof *scene->detectors, "detectors", reader->err));
+    const struct cml_detector_def *member = &scene->detectors[k];
+    struct cml_detector_def *group = &scene->detectors[n];
+    *group = (struct cml_detector_def){
+        .shape = CML_DETECTOR_GROUP, .below = member->below, .line = member->line, .row = member->row};
+    scene->num_detectors++;
+    scene->num_groups++;
+    if (member->table) CML_TRY(cml_text_copy(member->table, &group->table, reader->err));
+    return cml_text_copy(member->group, &group->name, reader->err);
+}
+
+/* Puts detector k into its group. A copy of a scene has its groups. */
+static cml_status join_group(const struct cml_mci_reader *reader, struct cml_scene *scene, int k)
+{
+    const char *name = scene->detectors[k].group;
+    int g = cml_num_areas(scene);
+    if (!*name || scene->detectors[k].in_group) return CML_OK;
+    while (g < scene->num_detectors && strcmp(scene->detectors[g].name, name) != 0) g++;
+    if (g == scene->num_detectors) CML_TRY(add_group(reader, scene, k));
+    struct cml_detector_def *detector = &scene->detectors[k];
+    detector->in_group = g + 1;
+    if (detector->below == scene->detectors[g].below) return CML_OK;
+    return fail_detector(reader, scene, k, "detector: group", detector->group,
+                         "a group whose detectors all lie on one side");
+}
+
 /* Orders detectors by name, then by line, for qsort. */
 static int compare_names(const void *a, const void *b)
 {
@@ -199,8 +232,7 @@ static int compare_names(const void *a, const void *b)
     return order ? order : (*one > *other) - (*one < *other);
 }
 
-/* Refuses two detectors with the same name. Sorting makes equal names neighbours, so thousands of detectors
- * are checked quickly. */
+/* Refuses two detectors, or a detector and a group, of one name. */
 static cml_status check_names(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     if (scene->num_detectors < 2) return CML_OK;
@@ -217,7 +249,8 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
         snprintf(expected, sizeof expected, "another name than that of the detector in line %d%s%.300s",
                  first->table ? first->row : first->line, first->table ? " of " : "",
                  first->table ? first->table : "");
-        status = fail_detector(reader, scene, (int)(sorted[i] - scene->detectors), "detector: name",
+        status = fail_detector(reader, scene, (int)(sorted[i] - scene->detectors),
+                               sorted[i]->shape == CML_DETECTOR_GROUP ? "detector: group" : "detector: name",
                                sorted[i]->name, expected);
     }
     free(sorted);
@@ -232,9 +265,10 @@ cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml
     double pixels = 0;
     char value[64];
     if (scene->num_detectors == 0) return CML_OK;
-    for (int k = 0; k < scene->num_detectors; k++) {
-        const struct cml_detector_def *detector = &scene->detectors[k];
+    for (int k = 0; k < cml_num_areas(scene); k++) {
         CML_TRY(fill_in(reader, scene, k));
+        CML_TRY(join_group(reader, scene, k));
+        const struct cml_detector_def *detector = &scene->detectors[k];
         if (detector->shape == CML_DETECTOR_MAP) pixels += 2.0 * detector->nx * detector->ny;
         snprintf(value, sizeof value, "%d %d", detector->nx, detector->ny);
         if (pixels > most)

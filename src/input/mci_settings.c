@@ -87,7 +87,7 @@ static int count_of(const struct cml_scene *scene, enum owner owner)
                                     scene->num_layers + 1,
                                     1,
                                     scene->num_beams,
-                                    scene->num_detectors};
+                                    cml_num_areas(scene)};
     return counts[owner];
 }
 

@@ -230,10 +230,11 @@ static cml_status write_faces(const struct cml_report *report, const struct cml_
 {
     const bool bodies = file->content == CML_FILE_BODIES;
     CML_AT_END(cml_field_list_free) struct cml_field_list list = {0};
-    CML_AT_END(cml_report_body_faces_free) struct cml_body_faces drawn = {.face = NULL};
+    CML_AT_END(cml_drawn_faces_free) struct cml_body_faces drawn = {.face = NULL};
     size_t per_facet = 1;
-    CML_TRY(bodies ? cml_report_body_faces(report, &drawn, err)
-                   : cml_report_faces(&report->surfaces->item[file->of], &drawn.faces, &per_facet, err));
+    CML_TRY(bodies ? cml_drawn_faces_of_bodies(report, &drawn, err)
+                   : cml_drawn_faces_of_boundary(&report->surfaces->item[file->of], &drawn.faces, &per_facet,
+                                                 err));
     CML_TRY(cml_field_list_create(report, &list, err));
     if (bodies)
         cml_add_body_face_fields(&list, &drawn);

@@ -182,11 +182,24 @@ static json_t *layer_json(const struct cml_json_subject *subject, int l)
     return with_phase(object, medium->phase);
 }
 
+/* Returns group k of detectors as an object. */
+static json_t *group_json(const struct cml_scene *scene, int k)
+{
+    const struct cml_detector_def *d = &scene->detectors[k];
+    json_t *members = json_array();
+    for (int i = 0; i < cml_num_areas(scene); i++)
+        if (scene->detectors[i].in_group == k + 1)
+            json_array_append_new(members, json_string(scene->detectors[i].name));
+    return json_pack("{s:s, s:s, s:s, s:o}", "name", d->name, "shape", cml_detector_word(d), "side",
+                     d->below ? "bottom" : "top", "members", members);
+}
+
 /* Returns detector k as an object. `size` has the radii or lengths in the order of the line; for a map, those
  * of a pixel. */
 static json_t *detector_json(const struct cml_json_subject *subject, int k)
 {
     const struct cml_detector_def *d = &subject->scene->detectors[k];
+    if (d->shape == CML_DETECTOR_GROUP) return group_json(subject->scene, k);
     json_t *object =
         json_pack("{s:s, s:s, s:[f,f], s:i, s:i}", "name", d->name, "shape", cml_detector_word(d), "size",
                   d->size[0], d->size[1], "nx", d->nx, "ny", d->ny);

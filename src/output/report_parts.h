@@ -9,8 +9,9 @@
 /* Returns the facets of a surface that is not a plane, except the last one, as faces in the scene's
  * coordinates (z down). A facet has *per_facet successive faces, because a ring is drawn as quadrangles. The
  * caller frees the arrays of *faces. */
-CML_NODISCARD cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces *faces,
-                                          size_t *per_facet, struct cml_error *err);
+CML_NODISCARD cml_status cml_drawn_faces_of_boundary(const struct cml_surface_def *def,
+                                                     struct cml_faces *faces, size_t *per_facet,
+                                                     struct cml_error *err);
 
 /* The facet that a face of a drawing of bodies stands for. Bodies are drawn as triangles in the scene's
  * coordinates (z down). */
@@ -25,9 +26,9 @@ struct cml_body_faces {
 };
 
 /* Draws all bodies. CML_E_INPUT when memory runs out; *drawn is empty then. */
-CML_NODISCARD cml_status cml_report_body_faces(const struct cml_report *report, struct cml_body_faces *drawn,
-                                               struct cml_error *err);
-void cml_report_body_faces_free(struct cml_body_faces *drawn);
+CML_NODISCARD cml_status cml_drawn_faces_of_bodies(const struct cml_report *report,
+                                                   struct cml_body_faces *drawn, struct cml_error *err);
+void cml_drawn_faces_free(struct cml_body_faces *drawn);
 
 /* Adds the fluxes of each body to the outcome: light that arrives at its surface from outside and from
  * inside, and leaves to either side. Adds nothing if facets are not tallied. */

@@ -264,8 +264,17 @@ void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *
 /* Returns the word for a detector's shape. A ring with inner radius 0 is called a disk. */
 const char *cml_detector_word(const struct cml_detector_def *detector)
 {
-    static const char *const words[] = {"ring", "rectangle", "map"};
+    static const char *const words[] = {"ring", "rectangle", "map", "group"};
     return detector->shape == CML_DETECTOR_RING && detector->size[0] == 0 ? "disk" : words[detector->shape];
+}
+
+/* Prints a line with the number of members of a group. */
+static void report_group(FILE *stream, const char *prefix, const struct cml_scene *scene, int k)
+{
+    int members = 0;
+    for (int i = 0; i < cml_num_areas(scene); i++) members += scene->detectors[i].in_group == k + 1;
+    fprintf(stream, "%sdetector %s: sum of %d detector%s, %s\n", prefix, scene->detectors[k].name, members,
+            members == 1 ? "" : "s", scene->detectors[k].below ? "bottom" : "top");
 }
 
 /* Prints a line with the shape, the place and the acceptance of a detector. */
@@ -282,7 +291,9 @@ static void report_detector(FILE *stream, const char *prefix, const struct cml_d
     if (detector->aimed)
         fprintf(stream, ", na %.15g, angle %.15g, azimuth %.15g degrees", detector->na,
                 detector->angle * degrees, detector->azimuth * degrees);
-    fputs(detector->diffuse ? ", diffuse light\n" : "\n", stream);
+    fputs(detector->diffuse ? ", diffuse light" : "", stream);
+    if (*detector->group) fprintf(stream, ", group %s", detector->group);
+    fputc('\n', stream);
 }
 
 /* Prints a line for each detector; people see the first 20 (`most`) and how many more there are. */
@@ -291,6 +302,10 @@ void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_sce
 {
     const int n = scene->num_detectors, most = 20,
               shown = reader == CML_READ_BY_PEOPLE && n > most ? most : n;
-    for (int k = 0; k < shown; k++) report_detector(stream, prefix, &scene->detectors[k]);
+    for (int k = 0; k < shown; k++)
+        if (k < cml_num_areas(scene))
+            report_detector(stream, prefix, &scene->detectors[k]);
+        else
+            report_group(stream, prefix, scene, k);
     if (shown < n) fprintf(stream, "%sand %d more detectors\n", prefix, n - shown);
 }

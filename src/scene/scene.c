@@ -34,7 +34,7 @@ void cml_scene_ask_nothing(struct cml_scene *scene)
     scene->directions = (struct cml_directions_def){0};
     scene->fluence = (struct cml_fluence_def){0};
     scene->saved = (struct cml_saved_def){0};
-    scene->num_detectors = 0;
+    scene->num_detectors = scene->num_groups = 0;
 }
 
 /* Frees the shape of a boundary when its last user goes. Depth and roughness stay. */

@@ -203,10 +203,16 @@ struct cml_saved_def {
     int line;       /* line number in the .mci */
 };
 
+/* Size of a detector's name in bytes, with its final NUL. */
+enum { CML_DETECTOR_NAME = 25 };
+
 /* A detector: an area in a level plane above or below the scene. It sees light that leaves on its side if the
- * straight line of the last flight crosses the area, at any angle or within a cone. */
+ * straight line of the last flight crosses the area, at any angle or within a cone. A group is a detector
+ * without an area: it sees what its members see, all on one side. */
 struct cml_detector_def {
     char *name;
+    char group[CML_DETECTOR_NAME]; /* name of the group of which the detector is a member, or "" */
+    int in_group;                  /* number of this group among the detectors, from 1; 0: none */
     enum cml_detector_shape shape;
     bool ring; /* the line has two radii, of which the first may be 0 */
     /* Both radii of a ring (a disk: the first is 0), or both side lengths of a rectangle or pixel; cm. */
@@ -261,6 +267,7 @@ struct cml_scene {
     struct cml_time_def time;
     struct cml_directions_def directions;
     int num_detectors;
+    int num_groups;                     /* number of groups, which are the last of the detectors */
     struct cml_detector_def *detectors; /* [num_detectors] detectors */
     struct cml_fluence_def fluence;
     struct cml_saved_def saved;
@@ -296,6 +303,12 @@ CML_NODISCARD cml_status cml_scene_copy(const struct cml_scene *from, struct cml
 
 void cml_scene_clear(struct cml_scene *scene);
 void cml_scene_list_clear(struct cml_scene_list *list);
+
+/* Returns the number of detectors that have an area: all but the groups. */
+static inline int cml_num_areas(const struct cml_scene *scene)
+{
+    return scene->num_detectors - scene->num_groups;
+}
 
 /* Returns the name of layer l, 1..L, or "" if the layer has none. */
 static inline const char *cml_layer_name(const struct cml_scene *scene, int l)

@@ -197,7 +197,7 @@ static void require_body(struct requirements *all, const struct cml_scene_body *
 static cml_status require_all(struct requirements *all, struct cml_error *err)
 {
     for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(require_boundary(all, b, err));
-    for (int k = 0; k < all->scene->num_detectors; k++) CML_TRY(require_detector(all, k, err));
+    for (int k = 0; k < cml_num_areas(all->scene); k++) CML_TRY(require_detector(all, k, err));
     for (int k = 0; k < all->scene->num_bodies; k++) require_body(all, &all->scene->bodies[k]);
     return CML_OK;
 }

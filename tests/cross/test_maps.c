@@ -301,7 +301,7 @@ static void faces_have_their_areas(void **state)
         const struct cml_surface_def *def = &shot.flight.surfaces.item[2];
         const struct cml_map_def *map = &shot.flight.list.scenes[0].map;
         const size_t facets = num_facets(&shot, 2);
-        require_ok(cml_report_faces(def, &faces, &per_facet, &err), &err);
+        require_ok(cml_drawn_faces_of_boundary(def, &faces, &per_facet, &err), &err);
         assert_int_equal(faces.num_faces, (facets - 1) * per_facet);
         double flat = 0, areas = 0;
         for (size_t i = 0; i < faces.num_faces; i++) { /* area seen from above, by the shoelace rule */

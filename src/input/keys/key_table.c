@@ -119,6 +119,7 @@ const struct cml_key cml_key_table[] = {
     ROW(DETECTOR, "side", NULL, OWN, OPT, detector_def, below, "top or bottom", 0, 0, NULL, "top", "the side on which the light leaves"),
     ROW(SIGHT, "diffuse", NULL, FLAG, OPT | JSON, detector_def, diffuse, NULL, 0, 0, NULL, NULL, "leaves out light that never was in the material"),
     ROW(SIGHT, "name", NULL, OWN, OPT, detector_def, name, "1 to 24 letters, digits and underscores", 0, 0, NULL, "its number, from 1", "the name of the detector in results"),
+    ROW(SIGHT, "group", NULL, OWN, OPT, detector_def, group, "1 to 24 letters, digits and underscores", 0, 0, NULL, "no group", "the name of a sum of detectors, to which this one belongs"),
     ROW(AIM, "na", NULL, REAL, OPT | SET, detector_def, na, NA, TINY, 100, NULL, "all directions", "limits directions to a cone about an axis: n sin of half its opening"),
     ROW(AIM, "angle", NULL, ANGLE, OPT | SET | JSON, detector_def, angle, "degrees", 0, 90, "degree", "0", "angle between the axis and the outward vertical"),
     ROW(AIM, "azimuth", NULL, ANGLE, OPT | SET | JSON, detector_def, azimuth, "degrees", -360, 360, "degree", "0", "azimuth of the axis, from x towards y"),

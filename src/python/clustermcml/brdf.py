@@ -149,6 +149,7 @@ def _lobes(setup: Setup, channels: Sequence[Mapping[str, Any]], poor: bool) -> A
 
 
 def _dataset(setup: Setup, labels: Sequence[Any], channels: Sequence[Mapping[str, Any]], half: Any, bins: Bins) -> xr.Dataset:
+    """Returns the BRDFs of all channels as one xarray.Dataset."""
     import xarray as xr
     axes = {"theta_i": setup.angles, "theta": np.degrees(bins.middles()).round(9), "phi": np.degrees(bins.azimuths()).round(9)}
     lead, area = (["channel"] if labels else []), bins.projected()[:, None]

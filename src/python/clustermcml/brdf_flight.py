@@ -193,10 +193,12 @@ class Bins:
         return np.concatenate([[0.0], (np.arange(self.nt) + 0.5) * (np.pi / 2 / self.nt), [np.pi / 2]])
 
     def middles(self) -> Any:
+        """Returns the middles of the bins of the polar angle [rad]."""
         edges = self.edges()
         return (edges[:-1] + edges[1:]) / 2
 
     def azimuths(self) -> Any:
+        """Returns the azimuths of the bins [rad]."""
         return np.arange(self.np) * (2 * np.pi / self.np)
 
     def projected(self) -> Any:

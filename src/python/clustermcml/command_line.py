@@ -94,6 +94,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def picture_name(path: str) -> str:
+    """Returns the path if its ending is that of a picture, for the parser of a command."""
     if not path.lower().endswith(PICTURES):
         raise argparse.ArgumentTypeError(f"{path} (expected a name that ends in .svg, .png, .pdf or .eps)")
     return path
@@ -107,6 +108,7 @@ def picture_path(output: Any) -> str:
 
 
 def check_overwrite(command: str, output: Optional[str], inputs: Sequence[str]) -> None:
+    """Refuses an output that is one of the command's inputs, also under another name."""
     for path in inputs if output is not None else ():
         if os.path.exists(path) and os.path.exists(str(output)) and os.path.samefile(path, str(output)):
             raise errors.InputError(f"{command}: -o {output} would overwrite its input {path}")

@@ -31,6 +31,7 @@ class Detector:
         azimuth: Direction of that tilt [degrees]; default 0.
         diffuse: Whether light that never was in the material is left out; default False.
         name: Name of its results, `detector_NAME`; None is its number, from 1.
+        group: Name of a sum of detectors on one side, `detector_GROUP`, to which this one belongs; None is no sum.
         r1: Inner radius of a ring [cm].
         r2: Outer radius of a ring [cm].
         width: Width of a rectangle over x [cm].
@@ -67,6 +68,7 @@ class Detector:
     dx: Optional[float] = None
     dy: Optional[float] = None
     file: Optional[Union[str, os.PathLike[str]]] = None
+    group: Optional[str] = None
 
     def __post_init__(self) -> None:
         errors.choice("Detector.kind", self.kind, *SHAPES)
@@ -96,10 +98,12 @@ class Detector:
         if self.na is None and (angle != 0 or azimuth != 0):
             raise errors.refuse("Detector.angle", self.angle, "0 without na")
         errors.flag("Detector.diffuse", self.diffuse)
-        if self.name is not None and not (isinstance(self.name, str) and re.fullmatch(r"[A-Za-z0-9_]{1,24}", self.name)):
-            raise errors.refuse("Detector.name", self.name, "1 to 24 letters, digits and underscores")
+        for name, value in (("name", self.name), ("group", self.group)):
+            if value is not None and not (isinstance(value, str) and re.fullmatch(r"[A-Za-z0-9_]{1,24}", value)):
+                raise errors.refuse("Detector." + name, value, "1 to 24 letters, digits and underscores")
 
     def line(self) -> str:
+        """Returns the line of the detector in an .mci file."""
         if self.file is not None:
             return "detector table " + errors.quoted_file("Detector.file", self.file)
         words = ["detector", self.kind] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]
@@ -108,4 +112,5 @@ class Detector:
         words += ["side=bottom"] if self.side == "bottom" else []
         words += [] if self.na is None else [f"na={shortest(self.na)}"]
         words += [f"{name}={shortest(getattr(self, name))}" for name in ("angle", "azimuth") if getattr(self, name) != 0]
-        return " ".join(words + (["diffuse"] if self.diffuse else []) + ([f"name={self.name}"] if self.name else []))
+        words += ["diffuse"] if self.diffuse else []
+        return " ".join(words + [f"{name}={getattr(self, name)}" for name in ("name", "group") if getattr(self, name)])

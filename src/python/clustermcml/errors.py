@@ -69,14 +69,17 @@ def number(name: str, value: Any, least: float, most: float, expected: str) -> f
 
 
 def at_least_zero(name: str, value: Any) -> float:
+    """Returns the value as a float. Refuses all but numbers of 0 or more."""
     return number(name, value, 0.0, 1e300, "a number >= 0")
 
 
 def above_zero(name: str, value: Any) -> float:
+    """Returns the value as a float. Refuses all but numbers above 0."""
     return number(name, value, math.ulp(0.0), 1e300, "a number > 0")
 
 
 def finite(name: str, value: Any) -> float:
+    """Returns the value as a float. Refuses all but finite numbers."""
     return number(name, value, -1e300, 1e300, "a finite number")
 
 
@@ -90,11 +93,13 @@ def whole(name: str, value: Any, least: int, most: int) -> int:
 
 
 def flag(name: str, value: Any) -> None:
+    """Refuses all but True and False."""
     if not isinstance(value, (bool, np.bool_)):
         raise refuse(name, value, "True or False")
 
 
 def choice(name: str, value: Any, *known: str) -> None:
+    """Refuses all but the known words."""
     if not isinstance(value, str) or value not in known:
         raise refuse(name, value, "one of " + " ".join(known))
 

@@ -85,6 +85,7 @@ def _polygons(axes: Any, places: Any, starts: Any, sizes: Any, colours: Any) -> 
 
 
 def draw_mesh(matplotlib: Any, axes: Any, mesh: Mesh, norm: Any) -> None:
+    """Draws the facets of a mesh in three dimensions, coloured by their values."""
     from matplotlib.ticker import MaxNLocator
     places = mesh.points[mesh.corners] * (1, 1, -1)  # z points down in the file and up in the picture
     sizes = np.diff(mesh.ends, prepend=0)

@@ -48,6 +48,7 @@ class Field:
         return replace(self, values=self.values * factor)
 
     def turned(self) -> Field:
+        """Returns the field with its axes in reverse order."""
         return replace(self, values=self.values.T, dims=self.dims[::-1])
 
     def part(self, dim: str, which: Union[int, slice]) -> Field:
@@ -97,6 +98,7 @@ class Fields:
         return [name for name, one in self.held.items() if one.dims != (name,)]
 
     def dataset(self) -> xr.Dataset:
+        """Returns all arrays as an xarray.Dataset."""
         import xarray as xr
         return xr.Dataset({name: xr.DataArray(one.values, dims=one.dims, attrs=one.attrs) for name, one in self.held.items()}, attrs=self.attrs)
 

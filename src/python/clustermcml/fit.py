@@ -259,6 +259,7 @@ def _fly_rows(scene: Union[Scene, SphereScene, Path], words: Callable[[str], lis
 
 
 def _fly(scene: Union[Scene, SphereScene, Path], grids: Mapping[str, Any], mus: Mapping[str, float], data: Data, options: Mapping[str, Any]) -> _Flight:
+    """Flies a sweep over the grids of mua at one set of mus. Returns what was measured of it, at each point of the grids."""
     columns = [*grids, *mus]
     rows = [[*row, *mus.values()] for row in np.stack(np.meshgrid(*map(np.exp, grids.values()), indexing="ij"), -1).reshape(-1, len(grids))] \
         if grids else [list(mus.values())]
@@ -286,6 +287,7 @@ def _slope(name: str, kind: str) -> str:
 
 
 def _anchor(scene: Union[Scene, SphereScene, Path], names: list[str], u: Any, data: Data, options: Mapping[str, Any]) -> _Anchor:
+    """Flies the scene at the parameters exp(u) with derivatives. Returns the logarithm of the model there, its slopes by u, and the noise of both."""
     kinds = list(dict.fromkeys(name[-3:] for name in names))
     slopes = [_slope(name, kind) for name in dict.fromkeys(data.names) if name not in TOTALS for kind in kinds]
     fixed = {**options, "set": {**(options.get("set") or {}), **dict(zip(names, map(float, np.exp(u))))}}

@@ -33,6 +33,7 @@ PLOTTED = 5  # number of angles of incidence in a picture
 
 
 def path_of(name: str, value: Any, ending: str) -> str:
+    """Returns the path of a file to be written. Refuses a name with another ending."""
     if not isinstance(value, (str, os.PathLike)) or not os.fspath(value).endswith(ending) or "\0" in os.fspath(value):
         raise errors.refuse(name, value, f"a name that ends in {ending}")
     return os.fspath(value)

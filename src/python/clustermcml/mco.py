@@ -32,25 +32,28 @@ BOOKS = {
     "above": "absorbed above z = 0",
 }
 
-# name: axes, unit, meaning; the .h5 files use the same words
+# unit of an array by its axes: arrays over r, z and angle are densities
+UNITS = {(): "1", ("layer",): "1", ("z",): "1/cm", ("r",): "1/cm2", ("alpha",): "sr-1", ("r", "z"): "1/cm3", ("r", "alpha"): "1/(cm2 sr)"}
+
+# name: axes, meaning; the .h5 files use the same words
 QUANTITIES = {
-    "Rsp": ((), "1", "specular reflectance"),
-    "Rd": ((), "1", "diffuse reflectance"),
-    "A": ((), "1", "absorbed fraction"),
-    "Tt": ((), "1", "transmittance"),
-    "A_l": (("layer",), "1", "absorption by layer"),
-    "A_z": (("z",), "1/cm", "absorption by depth; what lies outside is in the outermost bins"),
-    "Rd_r": (("r",), "1/cm2", "diffuse reflectance by radius; the last bin holds what lies beyond"),
-    "Rd_a": (("alpha",), "sr-1", "diffuse reflectance by angle"),
-    "Tt_r": (("r",), "1/cm2", "transmittance by radius; the last bin holds what lies beyond"),
-    "Tt_a": (("alpha",), "sr-1", "transmittance by angle"),
-    "A_rz": (("r", "z"), "1/cm3", "absorption by radius and depth"),
-    "Rd_ra": (("r", "alpha"), "1/(cm2 sr)", "diffuse reflectance by radius and angle"),
-    "Tt_ra": (("r", "alpha"), "1/(cm2 sr)", "transmittance by radius and angle"),
+    "Rsp": ((), "specular reflectance"),
+    "Rd": ((), "diffuse reflectance"),
+    "A": ((), "absorbed fraction"),
+    "Tt": ((), "transmittance"),
+    "A_l": (("layer",), "absorption by layer"),
+    "A_z": (("z",), "absorption by depth; what lies outside is in the outermost bins"),
+    "Rd_r": (("r",), "diffuse reflectance by radius; the last bin holds what lies beyond"),
+    "Rd_a": (("alpha",), "diffuse reflectance by angle"),
+    "Tt_r": (("r",), "transmittance by radius; the last bin holds what lies beyond"),
+    "Tt_a": (("alpha",), "transmittance by angle"),
+    "A_rz": (("r", "z"), "absorption by radius and depth"),
+    "Rd_ra": (("r", "alpha"), "diffuse reflectance by radius and angle"),
+    "Tt_ra": (("r", "alpha"), "transmittance by radius and angle"),
 }
-QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})
-QUANTITIES["residue"] = ((), "1", "launched + gained - all fates, in 2^-31 packets")
-QUANTITIES["lost"] = ((), "1", "packets lost to numerical failure")
+QUANTITIES.update({"book_" + name: ((), meaning) for name, meaning in BOOKS.items()})
+QUANTITIES["residue"] = ((), "launched + gained - all fates, in 2^-31 packets")
+QUANTITIES["lost"] = ((), "packets lost to numerical failure")
 LAYER_QUANTITIES = {
     "n": ("1", "refractive index"),
     "mua": ("1/cm", "absorption coefficient"),
@@ -194,9 +197,9 @@ def _provenance(text: str) -> dict[str, Any]:
 
 def _variable(name: str, axes: dict[str, Any], values: Any) -> Field:
     """Returns the Field of a quantity, or of its standard error NAME_se."""
-    dims, unit, meaning = QUANTITIES[name.removesuffix("_se")]
+    dims, meaning = QUANTITIES[name.removesuffix("_se")]
     long_name = "standard error" if name.endswith("_se") else meaning
-    return Field(np.reshape(values, [axes[dim].size for dim in dims]), dims, {"units": unit, "long_name": long_name})
+    return Field(np.reshape(values, [axes[dim].size for dim in dims]), dims, {"units": UNITS[dims], "long_name": long_name})
 
 
 def _numbers(file: _File, axes: dict[str, Any]) -> dict[str, Field]:

@@ -35,13 +35,16 @@ class Data:
     sides: dict[str, str]  # side on which the light of a detector or a profile leaves: R (top) or T (bottom)
 
     def pick(self, of: Callable[[str], Any]) -> Any:
+        """Returns the measured places of the arrays that `of` gives by name, as one array."""
         whole = {name: np.atleast_1d(of(name)) for name in dict.fromkeys(self.names)}
         return np.array([whole[name][max(place, 0)] for name, place in zip(self.names, self.places)], dtype=float)
 
     def bins(self, name: str) -> list[int]:
+        """Returns the measured bins of a profile."""
         return [place for other, place in zip(self.names, self.places) if other == name]
 
     def profiles(self) -> list[str]:
+        """Returns the names of the measured profiles."""
         return [name for name in dict.fromkeys(self.names) if name in PROFILES]
 
     def parted(self, numbers: Any) -> dict[str, Any]:
@@ -63,10 +66,12 @@ def _sides(scene: Union[Scene, Path], measured: Mapping[str, Any]) -> dict[str, 
 
 
 def is_detector(name: Any) -> bool:
+    """True for the name of light that a detector has seen."""
     return isinstance(name, str) and name.startswith(DETECTOR)
 
 
 def check_name(where: str, name: Any) -> None:
+    """Refuses a name that cannot be measured."""
     if name not in TOTALS + PROFILES + SPHERES and not is_detector(name):
         raise errors.refuse(where, name, "names among " + " ".join(TOTALS + PROFILES + SPHERES) + ", and detector_NAME")
 
@@ -80,6 +85,7 @@ def check_number(where: str, name: str, value: float, error: float) -> None:
 
 
 def read_measured(measured: Any, scene: Union[Scene, Path]) -> Data:
+    """Checks what was measured, and returns it in the order given. Bins of profiles become single numbers."""
     if not isinstance(measured, Mapping) or not measured:
         raise errors.refuse("measured", measured, 'a dict, {"Rd": (value, error), "Rd_r": (values, errors)}')
     names: list[str] = []

@@ -81,5 +81,6 @@ class Phase:
 
 
 def check_phase(name: str, phase: Optional[Phase]) -> None:
+    """Refuses all but a Phase and None."""
     if phase is not None and not isinstance(phase, Phase):
         raise errors.refuse(name, phase, "a Phase or None")

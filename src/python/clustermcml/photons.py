@@ -72,6 +72,7 @@ def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
 
 
 def _table(data: Fields) -> pd.DataFrame:
+    """Returns saved packets as a pandas.DataFrame, with a column for each medium of a property that media have."""
     import pandas as pd
     columns = {}
     for name in data.names():

@@ -50,6 +50,7 @@ def save(figure: Any, path: str) -> None:
 
 
 def add_caption(figure: Any, caption: str) -> None:
+    """Writes a caption below the figure, which grows by the lines of the caption."""
     import textwrap
     lines = textwrap.wrap(caption, int(figure.get_figwidth() * 15))
     figure.set_figheight(figure.get_figheight() + 0.16 * len(lines))

@@ -18,8 +18,8 @@ import numpy as np
 
 from . import errors
 from .command_line import Parser, check_overwrite, print_text, readable, shown_path
-from .fields import Field, spread_over_mua
-from .mco import AXES, QUANTITIES
+from .fields import Field, Fields, spread_over_mua
+from .mco import AXES, QUANTITIES, UNITS
 from .pictures import COLOURS, add_caption, drawing, save
 from .results import read_as
 from .scales import ends_of, is_counted, label_of, marked, set_powers, set_scale
@@ -142,11 +142,11 @@ def _is_number(word: str) -> bool:
 
 def _labels_of_mcml(name: str, times_r: bool) -> tuple[str, str]:
     """Returns the labels of the axis and of the curve, as a result has them, for the names of MCML's curves. Other names give ""."""
-    dims, unit, meaning = QUANTITIES.get(name, ((), "", ""))
+    dims, meaning = QUANTITIES.get(name, ((), ""))
     if len(dims) != 1:
         return "", ""
     axis = Field([0.0], dims, {"units": AXES[dims[0]][0]}, dims[0])
-    curve = _curve(Field([0.0], dims, {"units": unit, "long_name": meaning}, name, {dims[0]: axis}), None, times_r)
+    curve = _curve(Field([0.0], dims, {"units": UNITS[dims], "long_name": meaning}, name, {dims[0]: axis}), None, times_r)
     return curve.axis, curve.drawn_as
 
 

@@ -281,6 +281,7 @@ UNITS = {"r": ("cm", "distance from where light came in"), "S": ("cm-2", "light 
 
 
 def _dataset(found: Sequence[Mapping[str, Any]], labels: Sequence[Any]) -> xr.Dataset:
+    """Returns the profiles of all channels as one xarray.Dataset."""
     import xarray as xr
     data = xr.Dataset()
     for name, (units, text) in UNITS.items():

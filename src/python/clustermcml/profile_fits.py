@@ -73,6 +73,7 @@ class Shares:
 
 
 def need_scipy() -> None:
+    """Raises an exception with the cure if scipy is missing."""
     try:
         import scipy  # noqa: F401
     except ImportError:

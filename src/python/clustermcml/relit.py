@@ -88,5 +88,6 @@ def relit_text(path: str, lines: Sequence[str]) -> str:
 
 
 def write_relit(path: str, target: str, lines: Sequence[str]) -> None:
+    """Writes the file of a scene with other light under the name `target`."""
     with open(target, "w", encoding="utf-8", errors="surrogateescape") as file:
         file.write(relit_text(path, lines))

@@ -77,6 +77,7 @@ def ends_of(axis: Field) -> str:
 
 
 def label_of(array: Field, name: str = "") -> str:
+    """Returns the label of an array with its unit, as axes of pictures have it."""
     units = {"cm2": "cm²", "cm3": "cm³", "1": "-", "sr-1": "1/sr"}
     unit = str(array.attrs.get("units", "1"))
     unit = units.get(unit, unit.replace("cm2", "cm²").replace("cm3", "cm³"))

@@ -211,6 +211,7 @@ class Map:
             raise errors.refuse("Map.top", self.top, "0 without volume=True")
 
     def line(self) -> str:
+        """Returns the line of the .mci file."""
         words = ["map", str(int(self.nx)), str(int(self.ny)), shortest(self.dx), shortest(self.dy)]
         words += [name for name in ("angles", "volume") if getattr(self, name)]
         return " ".join(words + ([f"top={shortest(self.top)}"] if self.top else []))
@@ -240,6 +241,7 @@ class Time:
         errors.flag("Time.radii", self.radii)
 
     def line(self) -> str:
+        """Returns the line of the .mci file."""
         return f"time {shortest(self.end)} {int(self.n)}" + " radii" * self.radii
 
 
@@ -264,6 +266,7 @@ class Directions:
         errors.whole("Directions.np", self.np, 1, 3600)
 
     def line(self) -> str:
+        """Returns the line of the .mci file."""
         return f"directions {int(self.nt)} {int(self.np)}"
 
 
@@ -300,6 +303,7 @@ class Backing:
                 raise errors.refuse("Backing." + name, value, f"None for {self.kind}")
 
     def line(self) -> str:
+        """Returns the line of the .mci file."""
         numbers = " ".join(shortest(value) for value in (self.R, self.n, self.k) if value is not None)
         return f"backing metal {numbers}" if self.kind == "metal" else f"backing {numbers} {self.kind}"
 

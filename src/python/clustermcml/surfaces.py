@@ -26,6 +26,7 @@ def shortest(value: float) -> str:
 
 
 def vector(name: str, value: Any, length: int) -> tuple[float, ...]:
+    """Returns a sequence of `length` finite numbers as a tuple. Refuses all else."""
     expected = f"{length} numbers"
     try:
         values = tuple(value)
@@ -292,6 +293,7 @@ class Rough:
 
 
 def check_rough(name: str, value: object) -> None:
+    """Refuses all but a Rough and None."""
     if value is not None and not isinstance(value, Rough):
         raise errors.refuse(name, value, "a Rough, or None for a smooth surface")
 
@@ -300,5 +302,6 @@ Surface = Union[Heightfield, Heightmap, Mesh, Relief]
 
 
 def check_surface(name: str, value: object) -> None:
+    """Refuses all but a surface and None."""
     if value is not None and not isinstance(value, (Heightfield, Heightmap, Mesh, Relief)):
         raise errors.refuse(name, value, "a Heightfield, a Heightmap, a Mesh, a Relief, or None for a plane")

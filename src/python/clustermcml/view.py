@@ -28,6 +28,7 @@ HALF = {"pencil": 0.0, "disk": 1.0, "gaussian": 1.0, "ring": 1.0, "rectangle": 0
 # ---- sections ----
 
 def _read_obj(path: str) -> tuple[Any, Any]:
+    """Reads the corners and the triangles of an .obj file of boundaries or bodies."""
     points, facets = [], []
     with open(path, encoding="utf-8", errors="replace") as file:
         for line in file:
@@ -122,10 +123,15 @@ def _width(scene: dict[str, Any], shapes: Iterable[Any]) -> tuple[float, float]:
     for beam in scene["beams"]:
         slant = 1 if beam["z"] is not None else math.sqrt(1 - (math.sin(math.radians(beam["angle"])) * math.cos(math.radians(beam["azimuth"]))) ** 2)
         ends += [beam["x"] - _half(beam) / slant, beam["x"] + _half(beam) / slant]
-    for detector in scene.get("detectors", []):
+    for detector in _areas(scene):
         ends += [detector["x"] - _reach(detector), detector["x"] + _reach(detector)]
     margin = 0.06 * (max(ends) - min(ends))
     return min(ends) - margin, max(ends) + margin
+
+
+def _areas(scene: dict[str, Any]) -> list[dict[str, Any]]:
+    """Returns the detectors that have an area: all but the groups."""
+    return [detector for detector in scene.get("detectors", []) if detector["shape"] != "group"]
 
 
 def _reach(detector: dict[str, Any]) -> float:
@@ -148,7 +154,7 @@ def _depth(scene: dict[str, Any], depths: list[tuple[float, float]], width: floa
     for low, high in depths[1:]:
         whole &= high <= reach
         top, bottom = (min(top, low), max(bottom, high)) if high <= reach else (top, bottom)
-    for thing in [*scene["beams"], *scene.get("detectors", [])]:
+    for thing in [*scene["beams"], *_areas(scene)]:
         if thing["z"] is not None:
             top, bottom = min(top, thing["z"]), max(bottom, thing["z"])
     bottom += 0.0 if whole and bottom > top else width / 2
@@ -158,6 +164,7 @@ def _depth(scene: dict[str, Any], depths: list[tuple[float, float]], width: floa
 # ---- drawing ----
 
 def _beam_words(beam: dict[str, Any], number: str) -> str:
+    """Returns the words that describe a beam in a picture."""
     size, words = beam["size"], {"gaussian": "Gaussian"}.get(beam["shape"], beam["shape"])
     if beam["shape"] in ("disk", "gaussian"):
         words += f", R = {size[0]:g} cm"
@@ -301,9 +308,9 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
         for k, beam in enumerate(scene["beams"]):
             _draw_beam(axes, beam, frame)
             words.append(_beam_words(beam, f"{k + 1}: " if len(scene["beams"]) > 1 else ""))
-        for detector in scene.get("detectors", []):
+        for detector in _areas(scene):
             _draw_detector(axes, detector)
-        _label_detectors(axes, scene.get("detectors", []), frame)
+        _label_detectors(axes, _areas(scene), frame)
         if scene["map"]:
             reach = scene["map"]["nx"] * scene["map"]["dx"] / 2
             for x in (-reach, reach):

@@ -67,7 +67,8 @@ static const struct cml_medium_def stack[] = {{.n = 1},
 static void worth_of_ring(bool below, double inner, double outer, double value[RINGS * CELLS])
 {
     struct cml_error err;
-    const struct cml_seen_ring seen = {below, inner, outer};
+    struct cml_seen_ring ring = {below, inner, outer};
+    const struct cml_seen_rings seen = {&ring, 1};
     require_ok(cml_importance_of_place(stack, 2, seen, 2, 0.7, RINGS, CELLS, value, &err), &err);
 }
 

@@ -471,7 +471,7 @@ static void detectors_that_are_none(void **state)
         {NAME "detector disk 1 name=a_se\n",
          "x.mci:4: detector: name = a_se (expected a name that does not end in _se, as names of results do)"},
         {NAME "detector disk 1 2\n", "x.mci:4: detector: option = 2 (expected at=, z=, side=, na=, angle=, "
-                                     "azimuth=, diffuse or name=)"},
+                                     "azimuth=, diffuse, name= or group=)"},
         {NAME "detector disk 1 name=2\ndetector disk 2\n1\n1 1\n1 1 1\n1\n1\n" LAYER "1\n",
          "x.mci:5: detector: name = 2 (expected another name than that of the detector in line 4)"},
         {NAME "detector map 20000 20000 1 1\ndetector map 20000 20000 1 1\ndetector map 20000 20000 1 1\n"

@@ -75,7 +75,7 @@ static void a_family_ends(void **state)
 {
     (void)state;
     for (cml_u32 parts = 2; parts < 1000; parts++) {
-        struct cml_branches to = {0};
+        struct cml_branches to = {.most = CML_MOST_OF_FAMILY};
         const double all = family(&to, (struct cml_packet){.w = CML_WEIGHT_ONE}, parts);
         if (!(all <= CML_MOST_OF_FAMILY && all > 0.4 * CML_MOST_OF_FAMILY)) fail_msg("%u: %g", parts, all);
         assert_int_equal(to.clipped > 0, parts > CML_MOST_PARTS);
@@ -83,6 +83,20 @@ static void a_family_ends(void **state)
     }
     assert_int_equal(cml_spent_after(CML_MOST_OF_FAMILY - 1000, 10, 25), CML_MOST_OF_FAMILY - 2500);
     assert_int_equal(cml_spent_after(1000, 10, 25), 0);
+}
+
+/* A packet that finds no room stays as it is, with all of its budget, and only `whole` counts it. */
+static void a_packet_without_room_stays_whole(void **state)
+{
+    (void)state;
+    static const struct cml_world world;
+    const struct cml_packet before = {.w = CML_WEIGHT_ONE, .spent = 7};
+    struct cml_packet packet = before;
+    struct cml_branches to = {.count = 5, .most = 67};
+    cml_split(&world, &to, &packet, CML_WEIGHT_ONE / 1000);
+    assert_memory_equal(&packet, &before, sizeof packet);
+    assert_int_equal(to.whole, 1);
+    assert_int_equal(to.clipped + to.spent + (cml_u64)to.count, 5);
 }
 
 /* Returns the mean absorbed weight over all values of the 16 random bits. */
@@ -250,6 +264,7 @@ int main(void)
         cmocka_unit_test(heavy_packets_play_no_roulette),
         cmocka_unit_test(the_rule_of_mcml_lets_a_tenth_survive),
         cmocka_unit_test(a_family_ends),
+        cmocka_unit_test(a_packet_without_room_stays_whole),
         cmocka_unit_test(absorbed_weight_is_rounded_without_bias),
         cmocka_unit_test(a_step_that_ends_on_a_plane_crosses_it_once),
         cmocka_unit_test(no_packet_is_reflected_into_its_facet),

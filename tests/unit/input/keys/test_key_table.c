@@ -164,10 +164,16 @@ static void numbers_are_held_to_their_ranges(void **state)
 /* ---- defaults ---- */
 
 /* Defaults that are no value of their key. */
-static const char *const words[] = {
-    "none",           "above all surfaces", "smooth", "not repeated",
-    "all directions", "its number, from 1", "no",     "the nominal plane of its side",
-    "the z axis"};
+static const char *const words[] = {"none",
+                                    "above all surfaces",
+                                    "smooth",
+                                    "not repeated",
+                                    "all directions",
+                                    "its number, from 1",
+                                    "no group",
+                                    "no",
+                                    "the nominal plane of its side",
+                                    "the z axis"};
 
 static bool is_word(const char *text)
 {

@@ -1,5 +1,6 @@
-/* Faces for pictures: the facets of boundaries (defined in surface_facets.h) and of bodies.
- * SPDX-License-Identifier: MIT */
+/* Drawings of surfaces in .vtp files: points and corners of the facets of boundaries (surface_facets.h) and
+ * of bodies. Knows no quantity; report_fields.c makes the values of these facets. SPDX-License-Identifier:
+ * MIT */
 #include "output/report_parts.h"
 
 #include "base/constants.h"
@@ -77,10 +78,9 @@ static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces
     return CML_OK;
 }
 
-/* Makes the faces of a boundary for a .vtp file: triangles of a mesh, quadrangles of cones. The boundary
- * must not be a plane: facets of planes are pixels, which an image shows. */
-cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces *faces, size_t *per_facet,
-                            struct cml_error *err)
+/* The surface must not be a plane: facets of planes are pixels, which an image shows. */
+cml_status cml_drawn_faces_of_boundary(const struct cml_surface_def *def, struct cml_faces *faces,
+                                       size_t *per_facet, struct cml_error *err)
 {
     const bool mesh = def->kind == CML_SURFACE_MESH;
     *per_facet = mesh ? 1 : segments_of((size_t)def->num_rings - 1);
@@ -172,9 +172,8 @@ static cml_status add_body(const struct cml_report *report, int k, const struct 
     return CML_OK;
 }
 
-/* Collects the triangles of all bodies as one list, which a .vtp file draws. */
-cml_status cml_report_body_faces(const struct cml_report *report, struct cml_body_faces *drawn,
-                                 struct cml_error *err)
+cml_status cml_drawn_faces_of_bodies(const struct cml_report *report, struct cml_body_faces *drawn,
+                                     struct cml_error *err)
 {
     *drawn = (struct cml_body_faces){.faces.corners = 3};
     cml_status status = CML_OK;
@@ -185,12 +184,11 @@ cml_status cml_report_body_faces(const struct cml_report *report, struct cml_bod
         status = add_body(report, k, &mesh, drawn, err);
         cml_mesh_clear(&mesh);
     }
-    if (status != CML_OK) cml_report_body_faces_free(drawn);
+    if (status != CML_OK) cml_drawn_faces_free(drawn);
     return status;
 }
 
-/* Frees a drawing of bodies. */
-void cml_report_body_faces_free(struct cml_body_faces *drawn)
+void cml_drawn_faces_free(struct cml_body_faces *drawn)
 {
     free(drawn->faces.point);
     free(drawn->faces.corner);

@@ -18,7 +18,7 @@ import numpy as np
 
 from . import errors
 from .command_line import Parser, check_overwrite, print_text, readable, shown_path
-from .fields import Field, Fields, spread_over_mua
+from .fields import Field, spread_over_mua
 from .mco import AXES, QUANTITIES, UNITS
 from .pictures import COLOURS, add_caption, drawing, save
 from .results import read_as

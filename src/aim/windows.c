@@ -137,7 +137,7 @@ static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_se
 static struct cml_seen_ring ring_of(const struct cml_detector_def *detector, double away)
 {
     const double *size = detector->size;
-    const bool ring = detector->round;
+    const bool ring = cml_detector_is_round(detector);
     const double inner = ring ? size[0] : 0, outer = ring ? size[1] : sqrt(size[0] * size[1] / M_PI);
     if (away == 0) return (struct cml_seen_ring){detector->below, inner, outer};
     return (struct cml_seen_ring){detector->below, fmax(0, away - outer), away + outer};

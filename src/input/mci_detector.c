@@ -59,7 +59,6 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
                                          "table \"FILE\"");
     detector->shape = shapes[s].shape;
     detector->ring = s == 1;
-    detector->round = detector->shape == CML_DETECTOR_RING;
     detector->nx = detector->ny = 1;
     if (detector->shape == CML_DETECTOR_PORT) return cml_mci_take_port(line, &detector->port);
     CML_TRY(cml_mci_leading_numbers(line->reader, line->owner, CML_KEY_PARTS({shapes[s].keys, detector})));

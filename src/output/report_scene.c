@@ -303,7 +303,9 @@ void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *
 
 const char *cml_detector_word(const struct cml_detector_def *detector)
 {
-    return detector->shape == CML_DETECTOR_MAP ? "map" : cml_outline_word(detector->round, detector->size);
+    return detector->shape == CML_DETECTOR_MAP
+               ? "map"
+               : cml_outline_word(cml_detector_is_round(detector), detector->size);
 }
 
 /* Prints a line with the shape, the place and the acceptance of a detector. */
@@ -313,7 +315,7 @@ static void report_detector(FILE *stream, const char *prefix, const struct cml_d
     fprintf(stream, "%sdetector %s: %s of ", prefix, detector->name, cml_detector_word(detector));
     if (detector->shape == CML_DETECTOR_MAP)
         fprintf(stream, "%d x %d pixels of ", detector->nx, detector->ny);
-    print_outline(stream, detector->round, detector->size, detector->x, detector->y);
+    print_outline(stream, cml_detector_is_round(detector), detector->size, detector->x, detector->y);
     fprintf(stream, " %.15g) cm, %s", detector->z, detector->below ? "bottom" : "top");
     if (detector->port) fprintf(stream, ", through port %s", detector->port);
     if (detector->aimed)

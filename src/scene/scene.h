@@ -229,7 +229,7 @@ struct cml_detector_def {
     char *name;
     enum cml_detector_shape shape;
     bool ring;  /* the line has two radii, of which the first may be 0 */
-    bool round; /* the area is a ring or a disk, of a port, too */
+    bool round; /* CML_DETECTOR_PORT: the port is a ring or a disk */
     /* Both radii of a ring (a disk: the first is 0), or both side lengths of a rectangle or pixel; cm. */
     double size[2];
     int nx, ny;     /* number of pixels of a map; 1 for other shapes */
@@ -249,6 +249,12 @@ struct cml_detector_def {
     char *table;    /* table file whose line `row` describes the detector; NULL: the .mci does */
     int row;
 };
+
+/* True if a detector's area is a ring or a disk. */
+static inline bool cml_detector_is_round(const struct cml_detector_def *detector)
+{
+    return detector->shape == CML_DETECTOR_RING || (detector->shape == CML_DETECTOR_PORT && detector->round);
+}
 
 /* The speed of light in vacuum, cm/ps. */
 #define CML_LIGHT_CM_PER_PS 0.0299792458

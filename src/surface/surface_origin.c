@@ -187,7 +187,7 @@ static cml_status require_detector(struct requirements *all, int k, struct cml_e
                         .line = def->table ? def->row : def->line,
                         .length_name = "its half width is",
                         .at = {def->x, def->y},
-                        .length = half_width(def->round, def->size),
+                        .length = half_width(cml_detector_is_round(def), def->size),
                         .steps = STEPS_OF_LENGTH};
     if (def->shape == CML_DETECTOR_MAP) part.length_name = "half the width of its pixels is";
     snprintf(part.name, sizeof part.name, "detector %s", def->name);

@@ -317,7 +317,7 @@ static void touched_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "beam disk 0.3 angle=20 light=na:0.3\n" GRID "1\n1\n" TOP UNDER, 3000);
     compare_text(HEAD "beam pencil at=0.3,0\n" GRID "1\n1\nface ring 0.4 0.6 metal 2 3\n" TOP UNDER, 2000);
     compare_text(HEAD "beam disk 0.3 z=-0.1 light=isotropic\nbeam port p share=0.3\nbeam pencil z=0.1\n"
-                      "detector port p na=0.3\ndetector port 2 diffuse\n" GRID
+                      "detector port p na=0.3\ndetector port 3 diffuse\n" GRID
                       "1\n1\nface 0.9 lambertian\nface disk 1 metal 0 5\nport disk 0.5 n=1\n" TOP
                       "1.4 1 20 0.8 0.3\ni sphere 0 0 0.15 0.1 1.3 1 20 0.5\nbacking 0.5\n1\n",
                  3000);

@@ -31,7 +31,8 @@ double cml_gain_below(double worth)
 static double spread_of(const struct cml_detector_def *detector)
 {
     const double *size = detector->size, narrow = fmin(size[0], size[1]) / fmax(size[0], size[1]);
-    return detector->shape == CML_DETECTOR_RECTANGLE ? fmin(1, 4.5 * sqrt(narrow)) : 1;
+    const bool whole = cml_detector_is_round(detector) || detector->shape == CML_DETECTOR_GROUP;
+    return whole ? 1 : fmin(1, 4.5 * sqrt(narrow));
 }
 
 /* Returns the share of the light that the detector's aperture takes, for light that leaves equally bright in

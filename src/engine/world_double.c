@@ -1,5 +1,5 @@
-/* Compiles world.c, world_bodies.c, world_detectors.c and world_sources.c in double precision, for the
- * reference engine.
+/* Compiles world.c, world_bodies.c, world_detectors.c and world_sources.c in double
+ * precision, for the reference engine.
  * SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
 #include "engine/world.c"

@@ -29,6 +29,7 @@ static cml_status fill_input(const struct cml_report *report, struct cml_outcome
     o->num_layers = scene->num_layers;
     o->num_bodies = scene->num_bodies;
     o->backed = scene->backing.kind != CML_BACKING_NONE;
+    o->faced = scene->num_contacts > 0;
     o->n_above = scene->media[0].n;
     o->n_below = scene->media[scene->num_layers + 1].n;
     CML_TRY(cml_outcome_allocate(o, err));
@@ -107,7 +108,7 @@ static cml_status fill_extents(const struct cml_report *report, struct cml_outco
 cml_status cml_report_words(struct cml_report *report, enum cml_report_reader reader, struct cml_error *err)
 {
     struct cml_outcome *o = &report->outcome;
-    char **const text[] = {&o->shapes, &o->beam, &o->phases, &o->detectors};
+    char **const text[] = {&o->shapes, &o->beam, &o->phases, &o->detectors, &o->top};
     cml_status status = CML_OK;
     for (int i = 0; i < (int)(sizeof text / sizeof *text); i++) {
         size_t size = 0;
@@ -118,6 +119,7 @@ cml_status cml_report_words(struct cml_report *report, enum cml_report_reader re
         if (out && i == 1) cml_report_beams(out, "", report->scene, NULL);
         if (out && i == 2) cml_report_phases(out, "", report->scene, reader);
         if (out && i == 3) cml_report_detectors(out, "", report->scene, reader);
+        if (out && i == 4) cml_report_top(out, "", report->scene, reader);
         const cml_status ended = cml_text_end(out, text[i], &size, "the scene in words", err);
         if (ended != CML_OK) status = ended;
     }
@@ -188,7 +190,8 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
                                .num_layers = o->num_layers,
                                .num_bodies = o->num_bodies,
                                .num_detectors = o->num_detectors,
-                               .backed = o->backed};
+                               .backed = o->backed,
+                               .faced = o->faced};
     CML_TRY(cml_score_result(report->sums, 2 * k + by_mus, &result, err));
     cml_status status = cml_outcome_take(&sums, &result, err);
     for (int i = 0; status == CML_OK && i < CML_NUM_QUANTITIES; i++) {

@@ -163,8 +163,8 @@ void cml_outcome_clear(struct cml_outcome *o)
 {
     free_arrays(o);
     for (int k = 0; k < o->num_detectors; k++) free(o->detector[k]);
-    void *const owned[] = {o->output,    o->program, o->settings, o->beam,     o->phases,
-                           o->detectors, o->shapes,  o->scene,    o->detector, o->detector_names};
+    void *const owned[] = {o->output, o->program, o->settings, o->beam,     o->phases,        o->detectors,
+                           o->shapes, o->top,     o->scene,    o->detector, o->detector_names};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     *o = (struct cml_outcome){0};
 }
@@ -276,7 +276,8 @@ static double number_of(const struct cml_outcome *o, const struct cml_result *su
 static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
-    if (info->estimator <= CML_FROM_LOST) return quantity != CML_QUANTITY_A_backing || o->backed;
+    if (info->estimator == CML_FROM_TOTAL) return cml_has_total((int)info->sums, o->backed, o->faced);
+    if (info->estimator <= CML_FROM_LOST) return true;
     if (info->estimator == CML_FROM_EXPECTED)
         return sums->grid.scores >= (info->axis[0] == CML_AXIS_layer ? 2 : 1);
     return sums->array[info->sums] != NULL;

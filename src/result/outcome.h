@@ -22,6 +22,7 @@ struct cml_outcome {
     char *detector_names; /* all detector names, separated by blanks; NULL: none */
     int num_layers, num_bodies;
     bool backed; /* the scene has a backing: A_backing is among the totals */
+    bool faced;  /* the scene has faces or ports: A_face is among the totals */
     double n_above, n_below;
     /* [cml_outcome_size] values as written, i.e. scaled; NULL: not known */
     double *value[CML_NUM_QUANTITIES];
@@ -37,7 +38,7 @@ struct cml_outcome {
     char lost_indices[24 * CML_LOST_LISTED];
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene` is the input without the
      * lines for name and photons; only .h5 files have it. */
-    char *settings, *beam, *phases, *detectors, *shapes, *scene;
+    char *settings, *beam, *phases, *detectors, *shapes, *top, *scene;
     bool beside; /* some results, or shapes, of the run stand only in its .h5 file */
 };
 

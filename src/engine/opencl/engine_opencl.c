@@ -63,8 +63,9 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
     return CML_OK;
 }
 
-/* Refuses scenes with results that devices do not score: time, directions, detectors, fluence, saved packets,
- * maps, volumes and facets (kernels/device_deposits.h). */
+/* Refuses faces and ports, which devices do not know, and scenes with results that devices do not score:
+ * time, directions, detectors, fluence, saved packets, maps, volumes and facets (kernels/device_deposits.h).
+ */
 static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
 {
     static const char no_maps[] = "records no maps, volumes or facets";
@@ -72,7 +73,9 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
         bool there;
         int line;
         const char *name, *why;
-    } lines[] = {{scene->time.gates > 0, scene->time.line, "time", "keeps no time"},
+    } lines[] = {{scene->num_contacts > 0, scene->num_contacts > 0 ? scene->contacts->line : 0,
+                  "face or port", "knows none: boundary 0 has a face"},
+                 {scene->time.gates > 0, scene->time.line, "time", "keeps no time"},
                  {scene->directions.nt > 0, scene->directions.line, "directions", "scores none"},
                  {scene->num_detectors > 0, scene->num_detectors > 0 ? scene->detectors[0].line : 0,
                   "detector", "has none"},

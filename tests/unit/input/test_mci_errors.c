@@ -294,9 +294,9 @@ static void beams_that_are_none(void **state)
 {
     static const struct refusal table[] = {
         {NAME "beam\n", "x.mci:4: beam: shape is missing (expected pencil, disk R, gaussian R, ring R1 R2, "
-                        "rectangle W H, rectangle tile or image \"FILE.gsf\")"},
+                        "rectangle W H, rectangle tile, image \"FILE.gsf\" or port NAME)"},
         {NAME "beam square 1\n", "x.mci:4: beam: shape = square (expected pencil, disk R, gaussian R, ring "
-                                 "R1 R2, rectangle W H, rectangle tile or image \"FILE.gsf\")"},
+                                 "R1 R2, rectangle W H, rectangle tile, image \"FILE.gsf\" or port NAME)"},
         {NAME "beam disk\n", "x.mci:4: beam: radius is missing (expected a length of 1e-30..1e30 cm)"},
         {NAME "beam disk 0\n", "x.mci:4: beam: radius = 0 (expected a length of 1e-30..1e30 cm)"},
         {NAME "beam gaussian angle=3\n",
@@ -441,7 +441,7 @@ static void detectors_that_are_none(void **state)
 {
     static const struct refusal table[] = {
         {NAME "detector\n", "x.mci:4: detector: shape is missing (expected disk R, ring R1 R2, rectangle W "
-                            "H, map NX NY DX DY or "
+                            "H, map NX NY DX DY, port NAME or "
                             "table \"FILE\")"},
         {NAME "detector table\n",
          "x.mci:4: detector: file is missing (expected the name of a file with a detector in each line)"},
@@ -516,11 +516,11 @@ static void lines_in_the_wrong_place(void **state)
         {ONE "fluence\n", "x.mci:9: line = fluence (expected layer 1; a fluence line stands between a run's "
                           "first line and its number of layers)"},
         {NAME "#@ baem disk 1\n",
-         "x.mci:4: line = #@ baem disk 1 (expected b, m, rough, i, phase, backing, beam, map, "
+         "x.mci:4: line = #@ baem disk 1 (expected b, m, rough, face, port, i, phase, backing, beam, map, "
          "facets, time, directions, fluence, detector or photons behind #@)"},
-        {NAME "#@baem disk 1\n",
-         "x.mci:4: line = #@baem disk 1 (expected b, m, rough, i, phase, backing, beam, map, facets, "
-         "time, directions, fluence, detector or photons behind #@)"},
+        {NAME "#@baem disk 1\n", "x.mci:4: line = #@baem disk 1 (expected b, m, rough, face, port, i, phase, "
+                                 "backing, beam, map, facets, "
+                                 "time, directions, fluence, detector or photons behind #@)"},
     };
     CHECK_ALL(state, table);
 }

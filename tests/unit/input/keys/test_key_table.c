@@ -33,6 +33,13 @@ static const struct line {
     [CML_KEYS_GK] = {LAST "phase gk ", "0.9 0.5", "\n1\n"},
     [CML_KEYS_BACKING] = {LAST "backing ", "0.5", "\n1\n"},
     [CML_KEYS_METAL] = {LAST "backing metal ", "0.2 3", "\n1\n"},
+    [CML_KEYS_CONTACT] = {RUN "1\n1\nport disk 0.1 n=1.5", "", "\n" LAYER "1\n"},
+    [CML_KEYS_CONTACT_DISK] = {RUN "1\n1\nport disk ", "0.1", " n=1.5\n" LAYER "1\n"},
+    [CML_KEYS_CONTACT_RING] = {RUN "1\n1\nport ring ", "0 0.1", " n=1.5\n" LAYER "1\n"},
+    [CML_KEYS_CONTACT_RECTANGLE] = {RUN "1\n1\nport rectangle ", "0.1 0.2", " n=1.5\n" LAYER "1\n"},
+    [CML_KEYS_FACE] = {RUN "1\n1\nface disk 0.1 ", "0.5", "\n" LAYER "1\n"},
+    [CML_KEYS_FACE_METAL] = {RUN "1\n1\nface disk 0.1 metal ", "0.2 3", "\n" LAYER "1\n"},
+    [CML_KEYS_PORT] = {RUN "1\n1\nport disk 0.1", " n=1.5", "\n" LAYER "1\n"},
     [CML_KEYS_ROUGH] = {RUN "1\n1\nrough ggx ", "0.3", "\n" LAYER "1\n"},
     [CML_KEYS_SHAPE] = {RUN "1\n1\nb 2 0.1 0.1 0 1", "", "\n" LAYER "1\n"},
     [CML_KEYS_MESH] = {RUN "1\n1\nm \"none.obj\"", "", "\n" LAYER "1\n"},
@@ -173,7 +180,8 @@ static const char *const words[] = {"none",
                                     "no group",
                                     "no",
                                     "the nominal plane of its side",
-                                    "the z axis"};
+                                    "the z axis",
+                                    "its number among ports, from 1"};
 
 static bool is_word(const char *text)
 {

@@ -26,15 +26,17 @@ from .material import Material, read_material
 from .merge import merge
 from .phases import Phase
 from .photons import Saved, read_photons
+from .probes import Fibre, Probe
 from .profile import Profile, profile
 from .program import run
 from .results import read
 from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
 from .surfaces import Heightfield, Heightmap, Mesh, Relief, Rough
 from .sweep import sweep
+from .top import Face, Port
 from .view import view
 
-__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Face", "Fibre", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Phase", "Port", "Probe", "Profile", "Relief", "Rough", "Saved", "Scene",
            "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "merge", "mesh", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "sweep", "trace", "view"]
 
 

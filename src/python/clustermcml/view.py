@@ -1,4 +1,5 @@
-"""Draws a scene in the plane y = 0: boundaries, layers, bodies, beams with their outer rays, detectors and the map.
+"""Draws a scene in the plane y = 0: boundaries, layers, bodies, beams with their outer rays, detectors and the map. Faces and
+ports on boundary 0 get a plan beside it.
 
 The shapes come from `check --json` and `mesh`.
 
@@ -19,6 +20,7 @@ from .commands import check, mesh
 from .pictures import COLOURS, drawing, save
 from .program import scratch_folder
 from .scene import Scene
+from .view_top import draw_plan, draw_section, half_width
 
 LAYERS, BODIES = 20, 40  # numbers of layers and bodies that are named in the picture
 MOST_CELLS = 2000  # most cells of a tile along the picture
@@ -110,13 +112,15 @@ def _half(beam: dict[str, Any]) -> float:
 def _width(scene: dict[str, Any], shapes: Iterable[Any]) -> tuple[float, float]:
     """Returns the left and right end of the picture [cm].
 
-    The picture holds all shapes that are no planes, one period of a tile, and the map. If there is none of these, it holds the
+    The picture holds all shapes that are no planes, one period of a tile, the map, and ports with some room. If there is none of these, it holds the
     radial grid. Beams and detectors widen it."""
     ends = [end for points in shapes for end in (points[:, 0].min(), points[:, 0].max())]
     for body in scene.get("bodies", []):
         ends += [body["lower"][0], body["upper"][0]]
     if scene["map"]:
         ends += [sign * scene["map"]["nx"] * scene["map"]["dx"] / 2 for sign in (-1, 1)]
+    for port in scene["top"]:
+        ends += [port["x"] + sign * 2 * half_width(port["shape"], port["size"]) for sign in (-1, 1)] if port["kind"] == "port" else []
     if not ends or not max(ends) > min(ends):
         ends = [sign * scene["grid"]["nr"] * scene["grid"]["dr"] for sign in (-1, 1)]
     for beam in scene["beams"]:
@@ -267,8 +271,21 @@ def _caption(scene: dict[str, Any], stretch: float) -> str:
     return " ".join([plane + ".", *named[:6], *(["And others."] if len(named) > 6 else [])])
 
 
+def _with_ports(scene: dict[str, Any]) -> dict[str, Any]:
+    """Returns a scene whose beams and detectors of ports have the shapes and places of these."""
+    ports = {line["name"]: line for line in scene["top"] if line["kind"] == "port"}
+
+    def placed(thing: dict[str, Any]) -> dict[str, Any]:
+        if thing["shape"] != "port":
+            return thing
+        return {**thing, **{key: ports[thing["port"]][key] for key in ("shape", "size", "x", "y")}}
+
+    return {**scene, **{key: [placed(thing) for thing in scene[key]] for key in ("beams", "detectors") if key in scene}}
+
+
 def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = None) -> None:
     """Draws a scene. scene: answer of `check`. folder: folder with the shapes that `mesh` has written."""
+    scene = _with_ports({"top": [], **scene})
     stem = os.path.join(folder, os.path.basename(scene["output"]))
     shapes = [f"{stem}.boundary{b}.obj" for b in range(len(scene["boundaries"]))]
     there = [shape if os.path.exists(shape) else None for shape in shapes]
@@ -278,10 +295,10 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
     depths = [(float(line.pieces[..., 1].min()), float(line.pieces[..., 1].max())) for line in lines]
     top, bottom = _depth(scene, depths, right - left)
     bodies = [_body_pieces(body, f"{stem}.body{k}.obj") for k, body in enumerate(scene.get("bodies", []), 1)]
-    with drawing(style, (8.6, 5.2)):
+    with drawing(style, (12.0, 5.2) if scene["top"] else (8.6, 5.2)):
         from matplotlib.figure import Figure
         figure = Figure(layout="constrained")
-        axes = figure.subplots()
+        plan, axes = figure.subplots(1, 2, width_ratios=[1, 1.5]) if scene["top"] else (None, figure.subplots())
         axes.grid(False)
         if len(lines) > 2000:  # more lines would be one black area
             lines = [*lines[::-(-len(lines) // 2000)], lines[-1]]
@@ -297,13 +314,16 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
             last = max(depth, last + 0.045 * (bottom - top))
             axes.annotate(text, (x, last), (4, 0), textcoords="offset points", va="center", fontsize="small", color=COLOURS[0])
         frame = (left, right, top, bottom)
+        if plan is not None:
+            draw_plan(plan, scene)
+            draw_section(axes, scene["top"], frame)
         words = []
         for k, beam in enumerate(scene["beams"]):
             _draw_beam(axes, beam, frame)
             words.append(_beam_words(beam, f"{k + 1}: " if len(scene["beams"]) > 1 else ""))
         for detector in scene.get("detectors", []):
             _draw_detector(axes, detector)
-        _label_detectors(axes, scene.get("detectors", []), frame)
+        _label_detectors(axes, [detector for detector in scene.get("detectors", []) if "port" not in detector], frame)  # the plan names ports
         if scene["map"]:
             reach = scene["map"]["nx"] * scene["map"]["dx"] / 2
             for x in (-reach, reach):

@@ -35,7 +35,7 @@ struct cml_stay {
 #define CML_SOURCE_SHIFT 48
 
 /* Terms of the weight balance (P10). Exactly: launched + gained = specular + reflected + transmitted +
- * absorbed + roulette + trapped + lost + backing. */
+ * absorbed + roulette + trapped + lost + backing + face. */
 enum cml_balance_term {
     CML_BALANCE_LAUNCHED,
     CML_BALANCE_GAINED, /* by packets that survived roulette */
@@ -54,6 +54,7 @@ enum cml_balance_term {
     CML_BALANCE_OVERFLOW_Z, /* part of absorbed that lay below the last depth bin and was scored in it */
     CML_BALANCE_ABOVE,      /* part of absorbed that lay above z = 0 and was scored in the first depth bin */
     CML_BALANCE_BACKING,    /* kept by the backing; a term of the balance */
+    CML_BALANCE_FACE,       /* kept by faces, or stopped by what lies on boundary 0; a term of the balance */
     CML_NUM_BALANCE_TERMS
 };
 
@@ -80,13 +81,14 @@ enum cml_count {
     CML_NUM_COUNTS
 };
 
-/* Totals with standard errors, in their order in all arrays: Rsp, Rd, A, Tt, and A_backing if there is a
- * backing. */
+/* Totals with standard errors, in their order in all arrays: Rsp, Rd, A, Tt, A_backing if there is a backing,
+ * and A_face if there are faces or ports. */
 enum cml_total {
     CML_TOTAL_SPECULAR,
     CML_TOTAL_REFLECTED,
     CML_TOTAL_ABSORBED,
     CML_TOTAL_TRANSMITTED,
     CML_TOTAL_BACKING,
+    CML_TOTAL_FACE,
     CML_NUM_TOTALS
 };

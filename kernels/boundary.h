@@ -38,9 +38,10 @@ enum cml_beam_shape {
 /* Distributions of the slopes of facets finer than a boundary's shape (P20). */
 enum cml_rough_kind { CML_SMOOTH, CML_ROUGH_GGX, CML_ROUGH_BECKMANN };
 
-enum cml_detector_shape { CML_DETECTOR_RING, CML_DETECTOR_RECTANGLE, CML_DETECTOR_MAP };
+/* Shapes of detectors; faces and ports are rings or rectangles, too. */
+enum cml_detector_shape { CML_DETECTOR_RING, CML_DETECTOR_RECTANGLE, CML_DETECTOR_MAP, CML_DETECTOR_PORT };
 
-/* Kinds of surfaces under the last boundary that send light back (P12). */
+/* Kinds of opaque surfaces that send light back (P12): under the last boundary, and on boundary 0. */
 enum cml_backing_kind { CML_BACKING_NONE, CML_BACKING_MIRROR, CML_BACKING_LAMBERTIAN, CML_BACKING_METAL };
 
 /* Scores of a facet. Facets of a curved boundary are its triangles or rings, in order, and behind them the

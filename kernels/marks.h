@@ -83,7 +83,10 @@ CML_FN void cml_score_more(const struct cml_world *world, const struct cml_depos
                            const struct cml_stretch *s, real t, cml_u64 w)
 {
     const CML_GLOBAL struct cml_medium *medium = &world->media[s->medium];
-    const real path = cml_path_after(s->path, t, medium->n);
+    const int leaves = s->medium == 0 && s->p.z == 0 && s->u.z < 0 && world->contacts.count;
+    const struct cml_contact *port =
+        leaves ? cml_contact_of(world, cml_contact_at(world, s->p.x, s->p.y)) : NULL;
+    const real path = cml_path_after(s->path, t, port ? (real)port->n : medium->n);
     cml_mark_more(&world->setup, to, (cml_u32)s->index, cml_along(s->p, t, s->u), medium->bins, path, w);
 }
 

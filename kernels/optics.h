@@ -245,6 +245,25 @@ CML_FN real cml_metal_reflectance(real n, real k, real ci)
     return ci > 0 ? (R > 0 ? R : (real)0) : (real)1;
 }
 
+/* Returns the absorbed part of the weight (P3): w * absorb rounded up or down at random, so that the mean is
+ * kept. 16 random bits serve: 8 of the polar word that the cosine does not use, and 8 of the azimuth word.
+ * For the smallest share that the input allows, 1e-11 of a whole packet (CML_LEAST_ABSORPTION), the mean is
+ * off by at most 2^-17 / (1e-11 * 2^31) = 4e-4 of it. */
+CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml_u32 azimuth_word)
+{
+    const cml_u32 bits = (azimuth_word & 255u) << 8 | (polar_word & 255u);
+    const real lot = CML_FMA((real)bits, (real)1.52587890625e-5, (real)7.62939453125e-6);
+    const cml_u32 part = (cml_u32)CML_FMA((real)w, absorb, lot);
+    return part < w ? part : w;
+}
+
+/* Returns the cosine of incidence, 0..1, of the direction u on a surface with the unit normal `against` u. */
+CML_FN real cml_incidence(struct cml_vec u, struct cml_vec against)
+{
+    const real cosine = -cml_dot(u, against);
+    return cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
+}
+
 /* Returns the direction of u after a mirror. normal: a unit vector of either sign. */
 CML_FN struct cml_vec cml_reflect(struct cml_vec u, struct cml_vec normal)
 {

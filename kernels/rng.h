@@ -25,8 +25,8 @@ enum cml_purpose {
     CML_PURPOSE_TAIL,     /* event e: further optical depths if word [0] of interaction e is 0 (P2) */
     CML_PURPOSE_LAUNCH,   /* event 0: [0] [1] place in the beam, [2] [3] direction */
     CML_PURPOSE_SHIFT,    /* of a batch, not of a photon: shifts of the lattice (lattice.h) */
-    /* Event c, counted as for CML_PURPOSE_BOUNDARY: [0] [3] rounding of the weight that a backing keeps, [1]
-     * [2] direction. */
+    /* Event c, counted as for CML_PURPOSE_BOUNDARY: [0] [3] rounding of the weight that a backing or face
+     * keeps, [1] [2] direction. */
     CML_PURPOSE_BACKING,
     /* Event 0: [0] place of the first mark (marks.h); event 1 + e: [0] marks of a long flight that count,
      * after e events. */

@@ -2,19 +2,13 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
+#include "contact.h"
 #include "lattice.h"
 #include "optics.h"
 #include "surface_hit.h"
 #include "types.h"
 
-/* Returns the source of packet `index`. With several sources, the index holds the number of the source above
- * the 48 bits of the packet's number. */
-CML_FN const CML_GLOBAL struct cml_source *cml_source_of(const struct cml_world *world, cml_u64 index)
-{
-    return world->sources + (world->setup.num_sources > 1 ? (int)(index >> CML_SOURCE_SHIFT) : 0);
-}
-
-/* Returns the weight units that are split off packet `index` at its launch. */
+/* Returns the weight units that are split off packet `index` at its launch, unless boundary 0 stops it. */
 CML_FN cml_u32 cml_split_off(const struct cml_world *world, cml_u64 index)
 {
     return cml_source_of(world, index)->specular;
@@ -262,12 +256,23 @@ CML_FN void cml_place_inside(const struct cml_world *world, const CML_GLOBAL str
     packet->exit_y = at.y;
 }
 
-/* Starts a packet above all surfaces, on its line through `at`, its place in the shape. */
-CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct cml_vec at,
-                            CML_PACKET struct cml_packet *packet)
+/* Starts a packet above all surfaces, on its line through `at`, its place in the shape. A packet that would
+ * start below boundary 0 starts above it, with its whole weight, where faces or ports stop it. */
+CML_FN void cml_place_above(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
+                            struct cml_vec at, CML_PACKET struct cml_packet *packet)
 {
     packet->p = cml_along(at, (source->start - at.z) / packet->u.z, packet->u);
     packet->p.z = source->start;
+#ifndef __OPENCL_VERSION__
+    if (!world->contacts.count || packet->medium == 0 || source->port) return;
+    const struct cml_contact *contact = cml_contact_of(world, cml_contact_at(world, at.x, at.y));
+    if (!contact || !contact->stops) return;
+    packet->medium = packet->entered = 0;
+    packet->w = CML_WEIGHT_ONE;
+    packet->path = -1;
+#else
+    (void)world;
+#endif
 }
 
 /* Starts a packet of a source far outside of the scene: moves it along its line onto the level `start` (P1).
@@ -295,6 +300,13 @@ CML_FN void cml_place_far(const struct cml_world *world, const CML_GLOBAL struct
     cml_set_path(packet, way + rest > 0 ? world->media[source->medium].n * (way + rest) : (real)0);
 }
 
+/* Returns the place in a port at x, y from its middle: a port is level, however its light is inclined. */
+CML_FN struct cml_vec cml_in_port(const CML_GLOBAL struct cml_source *source, real x, real y)
+{
+    const struct cml_vec at = {source->middle.x + x, source->middle.y + y, 0};
+    return at;
+}
+
 /* Places a packet of a source of any shape and light, and gives the packet its direction. */
 CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                             CML_PACKET struct cml_packet *packet)
@@ -306,11 +318,12 @@ CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL stru
     if (source->shape != CML_BEAM_PENCIL) {
         cml_source_offset(world, source, draw, &x, &y);
         at = cml_along(cml_along(at, x, source->e1), y, source->e2);
+        if (source->port) at = cml_in_port(source, x, y);
     }
     if (source->inside && !source->is_far) cml_place_inside(world, source, at, packet);
     const real n = world->media[packet->medium].n;
     if (spread) packet->u = cml_source_direction(world, source, draw, n);
-    if (!source->inside) cml_place_above(source, at, packet);
+    if (!source->inside) cml_place_above(world, source, at, packet);
     if (!source->is_far) return;
     const struct cml_vec straight = {0, 0, 1};
     cml_place_far(world, source, x, y, spread ? cml_source_turn(world, source, draw, n) : straight, packet);
@@ -342,13 +355,26 @@ CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET s
         const real r = cml_round_offset(source, draw, &c, &s);
         at = cml_along(cml_along(at, r * c, source->e1), r * s, source->e2);
     }
-    cml_place_above(source, at, packet);
+    cml_place_above(world, source, at, packet);
+}
+
+/* Returns the weight units that were split off a packet at its launch: none if boundary 0 has stopped it. */
+CML_FN cml_u32 cml_has_split_off(const struct cml_world *world, CML_PACKET const struct cml_packet *packet)
+{
+#ifndef __OPENCL_VERSION__
+    if (packet->face == CML_WEIGHT_ONE) return 0;
+#endif
+    return cml_split_off(world, packet->index);
 }
 
 /* True if the weight of one packet balances (P10): its weight at the start and later gains are all accounted
  * for. */
 CML_FN int cml_packet_balances(const struct cml_world *world, CML_PACKET const struct cml_packet *packet)
 {
-    return CML_WEIGHT_ONE + packet->gained == cml_split_off(world, packet->index) + packet->absorbed +
-                                                  packet->backing + packet->roulette + packet->w;
+    cml_u64 out =
+        cml_has_split_off(world, packet) + packet->absorbed + packet->backing + packet->roulette + packet->w;
+#ifndef __OPENCL_VERSION__
+    out += packet->face;
+#endif
+    return CML_WEIGHT_ONE + packet->gained == out;
 }

@@ -122,6 +122,11 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
 }
 #endif
 
+CML_FN void cml_end_packet(CML_PACKET struct cml_packet *packet, enum cml_fate fate)
+{
+    packet->fate = (int)fate;
+}
+
 /* Ends a packet as lost (P9). */
 CML_FN void cml_lose_packet(CML_PACKET struct cml_packet *packet, enum cml_lost_cause cause)
 {

@@ -133,21 +133,41 @@ struct cml_direction_bins {
     real per_dt, per_dp; /* bins per radian */
 };
 
+/* An opaque surface that sends light back (P12): the backing under the last layer, or a face on boundary 0.
+ */
+struct cml_backing {
+    int kind;     /* enum cml_backing_kind */
+    int boundary; /* number of its boundary; -1: there is no backing */
+    /* Mirror, lambertian: share of the weight that stays in the surface. If all of it stays, the share is
+     * a little over 1, so that rounding never leaves a rest of weight. */
+    real kept;
+    real n, k; /* metal: index n + i k relative to the index of the layer that it touches */
+};
+
 #ifndef __OPENCL_VERSION__
-/* A detector: it counts packets that have left for good and cross its shape (P13). Lengths are in cm, places
- * count from the scene's origin. */
+/* An area in a level plane: a ring or a rectangle. Lengths are in cm, places count from the scene's origin.
+ */
+struct cml_area {
+    int shape;                         /* CML_DETECTOR_RING or CML_DETECTOR_RECTANGLE */
+    struct cml_vec middle;             /* z is not used */
+    real inner2, outer2;               /* squares of a ring's radii */
+    real low_x, high_x, low_y, high_y; /* sides of a rectangle */
+};
+
+/* A detector: it counts packets that have left for good and cross its shape (P13). */
 struct cml_detector {
     int shape; /* enum cml_detector_shape */
     /* aimed: sees only a cone about the axis, not all angles. diffuse: sees no light that has never been in
      * the material. */
     int aimed, diffuse;
     struct cml_vec axis; /* unit vector along which accepted light goes */
-    /* Square of the sine of the widest accepted angle to the axis; above 1: the half space. */
+    /* Square of the sine of the widest accepted angle to the axis; above 1: the half space. Light that left
+     * through a port has another one, by its own index and `na`. */
     real most_sine2;
-    struct cml_vec middle;             /* middle of a ring or map; z is not used */
-    real inner2, outer2;               /* squares of a ring's radii */
-    real low_x, high_x, low_y, high_y; /* sides of a rectangle */
-    struct cml_map pixels;             /* grid of a map detector, about its middle */
+    double na;
+    struct cml_area area;  /* for a map only its middle */
+    int port;              /* CML_DETECTOR_PORT: number of the contact (struct cml_contacts) */
+    struct cml_map pixels; /* grid of a map detector, about its middle */
     /* Map detectors: index of the first pixel among the pixels of all detectors. */
     cml_u64 first_pixel;
 };
@@ -173,6 +193,25 @@ enum { CML_SPLIT_UNSEEN, CML_SPLIT_ALIKE, CML_SPLIT_APART };
 struct cml_arc {
     int detector, level; /* number of the detector, from 1 (0: there is none), and its level */
     real away, inner, outer;
+};
+
+/* A face or a port on boundary 0 (P12). */
+struct cml_contact {
+    struct cml_area area;
+    int is_port;
+    int stops; /* 1: stops light from the open medium above; all but a port of the same index do */
+    double n;  /* port: refractive index of its medium */
+    struct cml_backing face; /* face: its surface; a metal's index counts relative to that of layer 1 */
+};
+
+/* All that touches boundary 0 from above, numbered from 1 in the order of the scene; a later one lies on top.
+ * `grid` lists, by cell and in their order, the numbers of those that have a shape, less 1. */
+struct cml_contacts {
+    int count;
+    int whole; /* number of the last face that covers the whole plane, 0: none; those before it are hidden */
+    const struct cml_contact *item;
+    struct cml_detector_level grid;
+    const int *start, *list;
 };
 
 struct cml_detection {
@@ -334,6 +373,7 @@ struct cml_source {
     int medium;
     int is_pencil; /* a source inside whose packets all start in `medium` */
     int is_common; /* light from above, parallel, from a point, a disk or a Gaussian */
+    int port;      /* number of the port in which all packets start, on boundary 0; 0: none */
     /* A source inside, far outside of the scene; `middle` is then where the axis meets the level `start`. */
     int is_far;
     real ahead; /* far source: distance along the axis from the source to `middle` */
@@ -368,16 +408,6 @@ struct cml_light_cell {
     real v, width, begin, end;
 };
 
-/* The backing: a surface under the last layer that sends light back (P12). */
-struct cml_backing {
-    int kind;     /* enum cml_backing_kind */
-    int boundary; /* number of the scene's last boundary; -1: there is no backing */
-    /* Mirror, lambertian: share of the weight that stays in the backing. If all of it stays, the share is
-     * a little over 1, so that rounding never leaves a rest of weight. */
-    real kept;
-    real n, k; /* metal: index n + i k relative to the index of the last layer */
-};
-
 struct cml_setup {
     struct cml_stream stream;
     struct cml_roulette_rule roulette;
@@ -399,7 +429,8 @@ struct cml_setup {
     struct cml_facet_range outer_facets[2];
     struct cml_backing backing;
     int num_sources;
-    cml_u32 specular; /* weight units that are split off every packet at its launch; 0 if sources differ */
+    cml_u32 specular; /* weight units that are split off every packet at its launch; 0 if they differ */
+    int apart;        /* 1: launches differ in what they split off, or in the medium where they start */
 };
 
 #ifndef __OPENCL_VERSION__
@@ -451,6 +482,7 @@ struct cml_packet {
     real here, low, momentum;
     cml_u32 before;
     struct cml_trail trail;
+    cml_u64 face; /* term in the weight balance: kept by faces, or stopped on boundary 0 */
     /* The part of the budget of CML_MOST_OF_FAMILY branches (P19) that the packet may no longer use: branches
      * that it has split off, and the shares of the budget that it has given to them. */
     cml_u32 spent;
@@ -512,6 +544,7 @@ struct cml_world {
      * [ny][1 + nx]. */
     CML_GLOBAL const cml_u32 *image_words;
 #ifndef __OPENCL_VERSION__
+    struct cml_contacts contacts;
     struct cml_detection detection;
     struct cml_rows rows;
     int only_tables;                              /* 1: every medium that scatters has a phase table */

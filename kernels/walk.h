@@ -13,6 +13,7 @@
 #pragma once
 
 #include "bins.h"
+#include "contact.h"
 #include "lattice.h"
 #include "optics.h"
 #include "rng.h"
@@ -63,11 +64,6 @@ CML_FN void cml_event(const struct cml_world *world, const char *what,
 }
 #endif
 
-CML_FN void cml_end_packet(CML_PACKET struct cml_packet *packet, enum cml_fate fate)
-{
-    packet->fate = (int)fate;
-}
-
 /* Returns the length (cm) of an optical depth; infinite if the mean free path is. */
 CML_FN real cml_path(real tau, real mfp)
 {
@@ -106,18 +102,6 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     const int iz = cml_depth_bin(setup, packet->p.z, bins);
     const int ir = cml_radial_bin(setup, packet->p.x, packet->p.y);
     cml_add_to_cell(to, packet->index, ir * (setup->nz + 2) + iz, dw);
-}
-
-/* Returns the absorbed part of the weight (P3): w * absorb rounded up or down at random, so that the mean is
- * kept. 16 random bits serve: 8 of the polar word that the cosine does not use, and 8 of the azimuth word.
- * For the smallest share that the input allows, 1e-11 of a whole packet (CML_LEAST_ABSORPTION), the mean is
- * off by at most 2^-17 / (1e-11 * 2^31) = 4e-4 of it. */
-CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml_u32 azimuth_word)
-{
-    const cml_u32 bits = (azimuth_word & 255u) << 8 | (polar_word & 255u);
-    const real lot = CML_FMA((real)bits, (real)1.52587890625e-5, (real)7.62939453125e-6);
-    const cml_u32 part = (cml_u32)CML_FMA((real)w, absorb, lot);
-    return part < w ? part : w;
 }
 
 /* Plays roulette (P8): with the chance w / weight the packet goes on with `weight`, else it ends. A random
@@ -248,13 +232,6 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     if (packet->fate == CML_FATE_ALIVE) cml_next_flight(world, packet);
 }
 
-/* Returns the cosine of incidence, 0..1, of the direction u on a surface with the unit normal `against` u. */
-CML_FN real cml_incidence(struct cml_vec u, struct cml_vec against)
-{
-    const real cosine = -cml_dot(u, against);
-    return cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
-}
-
 /* Returns the direction behind a boundary: reflected if xi <= R, else refracted. up: normal, pointing up;
  * side: +1 the packet comes from below; *transmitted: 1 if it is refracted. */
 CML_FN struct cml_vec cml_boundary_direction(struct cml_vec u, struct cml_vec up, real side, real n1, real n2,
@@ -288,12 +265,6 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
     return v;
 }
 
-/* Returns the backing at a boundary; NULL if there is none, and light refracts there. */
-CML_FN const struct cml_backing *cml_backing_at(const struct cml_world *world, int boundary)
-{
-    return boundary == world->setup.backing.boundary ? &world->setup.backing : NULL;
-}
-
 /* Reflects or refracts a packet at a smooth boundary between unequal indices (P5). Returns 1 if it goes
  * through. The direction is found again from the facet's own normal, with the same random number, if it
  * leaves on the wrong side of the facet; if it lies in the facet's plane but for rounding, where neighbouring
@@ -322,53 +293,6 @@ CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_PACKET stru
     }
     packet->u = u;
     return transmitted;
-}
-
-/* Returns the direction of light that a backing sends back (P12). against: unit normal against u. */
-CML_FN struct cml_vec cml_backing_direction(struct cml_backing backing, struct cml_vec u,
-                                            struct cml_vec against, struct cml_block draw)
-{
-    real c, s;
-    if (backing.kind != CML_BACKING_LAMBERTIAN) return cml_reflect(u, against);
-    const real square = cml_uniform(draw.w[1]); /* never 0: no packet flies level */
-    cml_circle_point(draw.w[2], &c, &s);
-    return cml_deflect(against, (real)1 / cml_frame_divisor(against), CML_SQRT(square), CML_SQRT(1 - square),
-                       c, s);
-}
-
-/* Leaves the share `kept` of a packet's weight in the backing (P12), rounded as in P3. */
-CML_FN void cml_keep_in_backing(CML_PACKET struct cml_packet *packet, real kept, struct cml_block draw)
-{
-    const cml_u32 dw = cml_absorbed_part(packet->w, kept, draw.w[0], draw.w[3]);
-    packet->backing += dw;
-    packet->w -= dw;
-    if (packet->w == 0) cml_end_packet(packet, CML_FATE_ABSORBED);
-}
-
-/* Turns a packet back at a smooth backing, which keeps a part of its weight (P12). The facet overrules the
- * shading normal, as in cml_reflect_or_refract. */
-CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
-                          const struct cml_hit *hit)
-{
-    const struct cml_backing backing = world->setup.backing;
-    const struct cml_vec from = packet->u;
-    const struct cml_block draw =
-        cml_draw(world->setup.stream, packet->index, CML_PURPOSE_BACKING, packet->crossings);
-    const int shaded = hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
-    struct cml_vec normal = hit->normal;
-    packet->crossings++;
-    if (cml_dot(from, hit->facet) > 0) return;
-    packet->u = cml_backing_direction(backing, from, normal, draw);
-    if (cml_dot(packet->u, hit->facet) < (shaded ? CML_SHADED_LEAST : (real)0) ||
-        (shaded && packet->bounces >= CML_SHADED_LIMIT)) {
-        normal = hit->facet;
-        packet->u = cml_backing_direction(backing, from, normal, draw);
-        packet->shading_overruled++;
-    }
-    const real kept = backing.kind == CML_BACKING_METAL
-                          ? 1 - cml_metal_reflectance(backing.n, backing.k, cml_incidence(from, normal))
-                          : backing.kept;
-    cml_keep_in_backing(packet, kept, draw);
 }
 
 /* Takes a packet over the facets of a rough boundary (P20) with a backing, or between unequal indices n1 and
@@ -401,8 +325,8 @@ CML_RARE int cml_cross_rough(const struct cml_world *world, CML_PACKET struct cm
     if (exit.steps >= CML_ROUGH_LIMIT) cml_lose_packet(packet, CML_LOST_ROUGH);
     if (backing) {
         const real kept = exit.stays > 0 ? 1 - exit.stays : 1 + 4 * CML_EPSILON;
-        cml_keep_in_backing(packet, kept,
-                            cml_draw(world->setup.stream, packet->index, CML_PURPOSE_BACKING, crossing));
+        cml_keep(packet, hit->boundary, kept,
+                 cml_draw(world->setup.stream, packet->index, CML_PURPOSE_BACKING, crossing));
     }
     return exit.transmitted;
 }
@@ -451,21 +375,24 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
     /* 1: the packet is below; the boundary is its medium's upper one, or its own body's surface. */
     const int below = from == boundary + 1;
     const int other = below ? world->surfaces[boundary].above : boundary + 1;
-    const real n1 = world->media[from].n, n2 = world->media[other].n;
+    const struct cml_meeting meeting = cml_meeting_at(world, packet, hit, below);
+    const real n1 = below ? world->media[from].n : meeting.n_above,
+               n2 = below ? meeting.n_above : world->media[other].n;
     const real left = CML_FMA(-hit->t, world->media[from].mut, packet->tau);
     packet->tau = left > 0 ? left : (real)0;
     cml_count_path(world, packet, hit->t);
     packet->on_boundary = boundary;
     packet->on_primitive = hit->primitive;
     if (CML_MAY_HAVE_BODIES && boundary > world->setup.num_layers) packet->off = hit->off;
-    const int backed = boundary == world->setup.backing.boundary;
-    packet->undeflected = !backed & (n1 == n2);
+    packet->undeflected = !meeting.opaque & !meeting.stops & (n1 == n2);
     const real side = below ? (real)1 : (real)-1;
     int transmitted = packet->undeflected;
     if (CML_MAY_BE_ROUGH && !transmitted && world->surfaces[boundary].rough.kind)
         transmitted = cml_cross_rough(world, packet, hit, side, n1, n2);
-    else if (backed)
-        cml_turn_back(world, packet, hit);
+    else if (meeting.stops)
+        cml_stop(packet);
+    else if (meeting.opaque)
+        cml_turn_back(world, meeting.opaque, packet, hit);
     else if (!transmitted)
         transmitted = cml_reflect_or_refract(world, packet, hit, side, n1, n2);
     CML_ASSERT(cml_is_unit(packet->u));
@@ -478,7 +405,7 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
     cml_count_depth(world, packet);
     cml_after_boundary(world, packet, boundary);
     cml_count_bounce(world, packet);
-    cml_event(world, transmitted ? "transmit" : "reflect", packet);
+    cml_event(world, transmitted ? "transmit" : meeting.stops ? "stop" : "reflect", packet);
 }
 
 /* Returns the facet of a primitive that was hit. */
@@ -525,8 +452,8 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     }
 }
 
-/* Runs cml_boundary_event, and scores the event for fluence, facets and expected values if they are
- * wanted. */
+/* Runs cml_boundary_event, and scores the event for fluence, facets and expected values if they are wanted.
+ * Light from above that stops scores no facet. */
 CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct cml_deposits *to,
                                      CML_PACKET struct cml_packet *packet, const struct cml_hit *hit)
 {
@@ -540,7 +467,7 @@ CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct
 #endif
     cml_boundary_event(world, packet, hit);
     cml_mark_last(world, to, packet);
-    if (cml_has_facets(to))
+    if (cml_has_facets(to) && !(from == 0 && packet->fate == CML_FATE_ABSORBED))
         cml_score_facet(world, to, packet->index, hit->boundary, hit->primitive, packet->p.x, packet->p.y,
                         from, packet->medium, arriving, packet->w);
 }
@@ -584,7 +511,7 @@ CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_depos
                            CML_PACKET struct cml_packet *packet)
 {
     cml_launch(world, index, packet);
-    if (world->setup.num_sources > 1) cml_add_specular(to, index, cml_split_off(world, index));
+    if (world->setup.apart) cml_add_specular(to, index, CML_WEIGHT_ONE - packet->w);
     if (cml_has_facets(to)) cml_score_launch(world, to, packet);
     cml_mark_first(world, to, packet);
 }

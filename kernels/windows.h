@@ -70,7 +70,7 @@ CML_FN void cml_branch_off(const struct cml_world *world, struct cml_branches *t
     branch->interactions = CML_LATTICE_EVENTS;
     branch->crossings = CML_LATTICE_REFLECTIONS;
     branch->rough_draws = branch->boundary_events = branch->queries = branch->shading_overruled = 0;
-    branch->gained = branch->roulette = branch->absorbed = branch->backing = 0;
+    branch->gained = branch->roulette = branch->absorbed = branch->backing = branch->face = 0;
     for (int m = 0; packet->trail.stay && m < media; m++) to->stay[at + m] = packet->trail.stay[m];
 }
 

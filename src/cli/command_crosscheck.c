@@ -52,6 +52,13 @@ static void print_side(const struct cml_check_side *side, const struct cml_resul
            (unsigned long long)cml_result_lost(result), cml_result_imbalance(result));
 }
 
+/* True if the scene has a total of enum cml_total. */
+static bool has_total(const struct cml_check_setup *setup, int total)
+{
+    const struct cml_scene *scene = setup->scene;
+    return cml_has_total(total, scene->backing.kind != CML_BACKING_NONE, scene->num_contacts > 0);
+}
+
 /* Prints the comparison of side s with the first side, for people. */
 static void print_pair(const struct cml_check_setup *setup, int s, const struct cml_check_pair *pair)
 {
@@ -62,10 +69,10 @@ static void print_pair(const struct cml_check_setup *setup, int s, const struct 
            100 * (double)pair->equal / (double)setup->photons, (unsigned long long)differ,
            (unsigned long long)setup->photons,
            setup->sides[s].same_geometry ? ", at most 0.01 % may" : "; another geometry");
-    const int totals = cml_num_totals(setup->scene->backing.kind != CML_BACKING_NONE);
-    for (int t = 0; t < totals; t++)
-        printf("  %-3s %+.3e +- %.1e  z = %+.2f\n", cml_quantities[cml_quantity_of_total(t)].name,
-               pair->total[t].mean, pair->total[t].error, pair->total[t].z);
+    for (int t = 0; t < CML_NUM_TOTALS; t++)
+        if (has_total(setup, t))
+            printf("  %-3s %+.3e +- %.1e  z = %+.2f\n", cml_quantities[cml_quantity_of_total(t)].name,
+                   pair->total[t].mean, pair->total[t].error, pair->total[t].z);
     if (pair->worst_profile)
         printf("  worst bin: %s[%d], z = %+.2f, of %d values\n", pair->worst_profile, pair->worst_bin,
                pair->worst_z, pair->values);
@@ -92,8 +99,8 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
     json_t *side = json_pack("{s:s, s:I, s:f}", "name", setup->sides[s].name, "lost",
                              (json_int_t)cml_result_lost(sums), "residue", cml_result_imbalance(sums));
     json_t *differences = json_object();
-    const int totals = cml_num_totals(setup->scene->backing.kind != CML_BACKING_NONE);
-    for (int t = 0; t < totals; t++) {
+    for (int t = 0; t < CML_NUM_TOTALS; t++) {
+        if (!has_total(setup, t)) continue;
         const char *name = cml_quantities[cml_quantity_of_total(t)].name;
         const struct cml_check_total *total = &pair->total[t];
         char error[32];

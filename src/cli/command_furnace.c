@@ -145,13 +145,19 @@ static struct cml_beam diffuse_beam(const struct furnace *f)
                              .light = {.kind = CML_LIGHT_OF_LAMBERTIAN}};
 }
 
-/* Refuses a backing, and layers in which light would stay for ever. */
+/* Refuses a backing, faces and ports, and layers in which light would stay for ever. */
 static cml_status check_media(const struct cml_scene *scene, struct cml_error *err)
 {
     if (scene->backing.kind != CML_BACKING_NONE)
         return cml_fail(err, CML_E_INPUT,
                         "%s:%d: a backing (expected none in a furnace: light comes from there)", scene->file,
                         scene->backing.line);
+    if (scene->num_contacts > 0)
+        return cml_fail(
+            err, CML_E_INPUT,
+            "%s:%d: boundary 0 has a face (expected no face or port line in a furnace: light comes "
+            "from there)",
+            scene->file, scene->contacts->line);
     for (int l = 1; l <= scene->num_layers; l++)
         if (scene->media[l].mus * scene->media[l].d > MOST_DEPTH)
             return cml_fail(

@@ -31,6 +31,19 @@ static inline struct cml_light_out cml_light_of(const struct cml_exit *exit, str
                                   .gate = exit->gate};
 }
 
+/* Notes the port through which light has left upwards. Light that has touched no boundary has left through
+ * none, and light of a port that never came in has stayed in its own. */
+static inline void cml_note_port(const struct cml_world *world, cml_u64 index, struct cml_ray_out *ray)
+{
+    if (!world->contacts.count || ray->below) return;
+    const int own = ray->fresh ? cml_source_of(world, index)->port : 0;
+    const int number = own ? own : cml_contact_at(world, ray->p.x, ray->p.y);
+    const struct cml_contact *contact = cml_contact_of(world, number);
+    if (!contact || !contact->is_port) return;
+    ray->port = number;
+    ray->n = contact->n;
+}
+
 /* Returns the optical path of a packet in all media together, cm. */
 static inline double cml_trail_path(const struct cml_world *world, const struct cml_trail *trail)
 {
@@ -202,7 +215,7 @@ static inline void cml_score_arc(const struct cml_world *world, const struct cml
     x -= world->sources->middle.x;
     y -= world->sources->middle.y;
     if ((detector->diffuse && light->ray.fresh) ||
-        (detector->aimed && !cml_is_in_cone(detector, light->ray.u)))
+        (detector->aimed && !cml_is_in_cone(detector, &light->ray)))
         return;
     part.w = (cml_u32)CML_FMA((real)light->w, cml_arc_share(arc, CML_SQRT(CML_FMA(x, x, y * y))), light->lot);
     if (part.w) cml_add_to_detector(world, &part, arc.detector - 1, to);
@@ -256,7 +269,9 @@ static inline struct cml_light_out cml_light_split_off(const struct cml_world *w
         struct cml_packet start;
         cml_place(world, index, &start);
         light.ray.p = (struct cml_vec){start.p.x, start.p.y, 0};
+        if (start.medium == 0) light.w = 0; /* boundary 0 stops it */
     }
+    if (light.w) cml_note_port(world, index, &light.ray);
     return light;
 }
 

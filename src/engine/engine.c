@@ -99,6 +99,7 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
         grid.facets += cml_surface_facets(&surfaces->item[b], map);
     grid.backed = scene->facets && surfaces && scene->backing.kind != CML_BACKING_NONE &&
                   cml_surface_facets(&surfaces->item[scene->num_layers], map) > 0;
+    grid.faced = scene->facets && scene->num_contacts > 0;
     for (int k = 0; scene->facets && surfaces && k < surfaces->bodies.count; k++)
         grid.facets += (size_t)surfaces->bodies.item[k].primitives;
     cml_tally_set_groups(&grid);

@@ -89,6 +89,7 @@ struct cml_fate_record {
     uint32_t interactions, boundary_events;
     double specular, absorbed; /* shares of a packet: split off before the launch; absorbed on the way */
     double backing;            /* share of a packet that stayed in the backing */
+    double face;               /* share that faces kept, or that was stopped on boundary 0 */
     /* X, y of the scene where the packet last touched a surface from outside, cm. */
     double exit[2];
     /* Direction at the end. With the engine `opencl`, an absorbed packet has the direction before its last

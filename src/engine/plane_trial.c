@@ -72,7 +72,7 @@ static void list_series(const struct cml_tally_grid *grid, struct series *series
     enum { PROFILES = sizeof profiles / sizeof *profiles };
     for (int i = 0; i < CML_NUM_TOTALS; i++)
         series[i] = (struct series){cml_quantities[cml_quantity_of_total(i)].name, (size_t)i,
-                                    i != CML_TOTAL_BACKING || grid->backed};
+                                    cml_has_total(i, grid->backed, grid->faced)};
     series += CML_NUM_TOTALS;
     for (int i = 0; i < PROFILES; i++, series++)
         *series = (struct series){cml_arrays[profiles[i]].name, at.at[profiles[i]], at.size[profiles[i]]};

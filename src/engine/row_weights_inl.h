@@ -10,7 +10,7 @@
  *          |      . . . _  |    |
  *          +-----------------. .+-->
  *
- * Rows are booked where the packet changes the medium, plays roulette, loses weight to the backing, or ends:
+ * Rows are booked where the packet changes the medium, plays roulette, loses weight to a surface, or ends:
  * one vector loop over all rows. Scores are summed as rows are, but their factors add up along the path, and
  * may be negative.
  * SPDX-License-Identifier: MIT */
@@ -383,10 +383,11 @@ static inline void cml_rows_roulette(const struct cml_row_packet *rows, cml_u32 
     cml_rows_change(rows, before, after, CML_BALANCE_GAINED, CML_BALANCE_ROULETTE);
 }
 
-/* Books the weight that the backing keeps in all rows (P12). */
-static inline void cml_rows_backing(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after)
+/* Books the weight that the backing, or a face, keeps in all rows (P12). */
+static inline void cml_rows_keep(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after, int face)
 {
-    cml_rows_change(rows, before, after, CML_BALANCE_BACKING, CML_BALANCE_BACKING);
+    const enum cml_balance_term term = face ? CML_BALANCE_FACE : CML_BALANCE_BACKING;
+    cml_rows_change(rows, before, after, term, term);
 }
 
 /* Adds a packet that has left to all rows. Scores have no sums over both radius and angle. timed: 1 if there

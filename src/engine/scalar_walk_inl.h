@@ -25,11 +25,11 @@ static inline void cml_leave_trail(const struct cml_world *world, const struct c
 /* The rows (P16) of the packets that one thread walks, one after the other. */
 struct row_walk {
     struct cml_row_sums sums;
-    real *factor;                      /* [cml_row_factors] */
-    int medium;                        /* medium of the last booking, or of a move inside since then */
-    cml_u32 w;                         /* the packet's weight at the last booking */
-    cml_u64 gained, roulette, backing; /* the packet's terms of the balance at the last booking */
-    cml_u32 interactions, now;         /* the packet's interactions and weight after the last step */
+    real *factor;                            /* [cml_row_factors] */
+    int medium;                              /* medium of the last booking, or of a move inside since then */
+    cml_u32 w;                               /* the packet's weight at the last booking */
+    cml_u64 gained, roulette, backing, face; /* the packet's terms of the balance at the last booking */
+    cml_u32 interactions, now;               /* the packet's interactions and weight after the last step */
 };
 
 /* Begins the rows of a packet that has been launched. */
@@ -44,7 +44,7 @@ static inline void rows_begin(const struct cml_world *world, struct row_walk *ro
     if (packet->path > 0 || !packet->trail.stay) packet->path = 0;
     rows->medium = packet->medium;
     rows->w = rows->now = packet->w;
-    rows->gained = rows->roulette = rows->backing = 0;
+    rows->gained = rows->roulette = rows->backing = rows->face = 0;
     rows->interactions = packet->interactions;
 }
 
@@ -55,8 +55,8 @@ static inline bool rows_sample(const struct cml_world *world, cml_u64 index, cml
     return world->rows.part && cml_row_samples(cml_row_hash_of(&world->setup, low, high), n);
 }
 
-/* Books the packet's losses since the last booking. left: its weight before roulette or a backing took
- * any. */
+/* Books the packet's losses since the last booking. left: its weight before roulette or a surface took any.
+ */
 static inline void rows_fly(const struct cml_world *world, struct row_walk *rows,
                             const struct cml_row_packet *its, struct cml_packet *packet, cml_u32 left)
 {
@@ -84,7 +84,8 @@ static inline void rows_step(const struct cml_world *world, struct row_walk *row
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
     const cml_u32 gained = (cml_u32)(packet->gained - rows->gained),
                   lost = (cml_u32)(packet->roulette - rows->roulette),
-                  kept = (cml_u32)(packet->backing - rows->backing);
+                  faced = (cml_u32)(packet->face - rows->face),
+                  kept = (cml_u32)(packet->backing - rows->backing) + faced;
     const cml_u32 left = packet->w - gained + lost + kept;
     const int inside = !cml_is_outer(world, packet->medium), moved = packet->medium != rows->medium && inside,
               back = inside && cml_rows_have_returned(world, &its, &packet->trail),
@@ -100,7 +101,7 @@ static inline void rows_step(const struct cml_world *world, struct row_walk *row
         cml_rows_sample(world, &its, rows->medium, cml_rows_sampled_at(world, &its, rows->medium, packet->p),
                         before, left);
     if (kept)
-        cml_rows_backing(&its, left, packet->w);
+        cml_rows_keep(&its, left, packet->w, faced > 0);
     else
         cml_rows_roulette(&its, left, packet->w);
     if (moved) rows->medium = packet->medium;
@@ -108,6 +109,7 @@ static inline void rows_step(const struct cml_world *world, struct row_walk *row
     rows->gained = packet->gained;
     rows->roulette = packet->roulette;
     rows->backing = packet->backing;
+    rows->face = packet->face;
 }
 
 /* One thread's walk of packets, one after the other. */
@@ -218,9 +220,10 @@ static inline struct cml_fate_record record_of(const struct cml_world *world, co
         .weight = packet->w,
         .interactions = packet->interactions,
         .boundary_events = packet->boundary_events,
-        .specular = cml_split_off(world, packet->index) * CML_WEIGHT_UNIT,
+        .specular = cml_has_split_off(world, packet) * CML_WEIGHT_UNIT,
         .absorbed = (double)packet->absorbed * CML_WEIGHT_UNIT,
         .backing = (double)packet->backing * CML_WEIGHT_UNIT,
+        .face = (double)packet->face * CML_WEIGHT_UNIT,
         .exit = {packet->exit_x + world->setup.x0, packet->exit_y + world->setup.y0},
         .direction = {packet->u.x, packet->u.y, packet->u.z},
     };
@@ -236,7 +239,8 @@ static void trace_detectors(const struct tracing *tracing, const struct cml_pack
     const struct cml_exit exit =
         cml_exit_of(&world->setup, packet->fate, packet->exit_x, packet->exit_y, packet->u.z, packet->path);
     const struct cml_vec place = {packet->exit_x, packet->exit_y, packet->p.z};
-    const struct cml_light_out light = cml_light_of(&exit, place, packet->u, packet->w);
+    struct cml_light_out light = cml_light_of(&exit, place, packet->u, packet->w);
+    if (packet->boundary_events > 0) cml_note_port(world, packet->index, &light.ray);
     cml_score_split_off(world, packet->index, 1, &to, NULL);
     if (cml_has_left(&exit)) cml_score_light(world, &light, NULL, &to, NULL);
     for (int k = 0; k < world->detection.num_detectors; k++) {

@@ -226,6 +226,7 @@ struct cml_termination {
     /* Place (exit_z in the frame of the medium), direction and optical path at the end. */
     real exit_x, exit_y, exit_z, ux, uy, uz, path;
     int primitive; /* primitive touched last; 0 on planes */
+    int face;      /* 1: what the packet has lost since its last booking, beside deposits, a face has kept */
     /* Used for detectors and saved packets (P13, P18), if trails are wanted. */
     struct cml_trail trail;
 };
@@ -284,6 +285,8 @@ static inline struct cml_light_out cml_terminated_light(const struct cml_world *
     light.lot = cml_lot_of(world, cml_terminated_index(terminated, i));
     light.index = terminated->index_low[i];
     light.trail = trail;
+    if (terminated->boundary_events[i] > 0)
+        cml_note_port(world, cml_terminated_index(terminated, i), &light.ray);
     return light;
 }
 
@@ -424,6 +427,7 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
     tally->balance[CML_BALANCE_GAINED] += packet->gained;
     tally->balance[CML_BALANCE_ROULETTE] += packet->roulette;
     tally->balance[CML_BALANCE_BACKING] += packet->backing;
+    tally->balance[CML_BALANCE_FACE] += packet->face;
     tally->count[CML_COUNT_QUERIES] += packet->queries;
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }
@@ -483,6 +487,7 @@ static inline struct cml_termination cml_termination_of(const struct cml_packet 
         .uz = packet->u.z,
         .path = packet->path,
         .primitive = packet->on_primitive,
+        .face = packet->face > 0,
         .trail = packet->trail,
     };
     return end;

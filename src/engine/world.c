@@ -29,8 +29,10 @@ static struct cml_owned_world counted(const struct cml_surface_set *surfaces)
 void cml_owned_world_free(struct cml_owned_world *to)
 {
     cml_arrays_free(&to->arrays);
-    free(to->detector_start);
-    free(to->detector_list);
+    free(to->detector_cells.start);
+    free(to->detector_cells.list);
+    free(to->contact_cells.start);
+    free(to->contact_cells.list);
     *to = (struct cml_owned_world){0}; /* zeroed, so that a caller that frees the world again does no harm */
 }
 
@@ -370,19 +372,6 @@ static cml_status set_windows(const struct cml_scene *scene, const double origin
     return CML_OK;
 }
 
-/* Fills the backing. It keeps the share 1 - R of a weight. For R = 0 it keeps all of the weight, and for R
- * = 1 nothing, both exact to the last bit. */
-static void set_backing(const struct cml_scene *scene, struct cml_backing *backing)
-{
-    const struct cml_backing_def *def = &scene->backing;
-    const double n = scene->media[scene->num_layers].n;
-    backing->kind = (int)def->kind;
-    backing->boundary = backing->kind == CML_BACKING_NONE ? -1 : scene->num_layers;
-    backing->kept = (real)(def->R > 0 ? 1 - def->R : 1 + 4 * (double)CML_EPSILON);
-    backing->n = (real)(def->n / n);
-    backing->k = (real)(def->k / n);
-}
-
 /* Returns the rule of roulette: the given one, or that of original MCML. */
 static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *options)
 {
@@ -414,7 +403,7 @@ static void set_up(const struct cml_scene *scene, const double origin[2],
     setup->per_dr = (real)(1 / scene->dr);
     setup->per_dz = (real)(1 / scene->dz);
     setup->per_da = (real)(scene->na / 1.5707963267948966);
-    set_backing(scene, &setup->backing);
+    setup->backing = cml_backing_of(&scene->backing, scene->num_layers, scene->media[scene->num_layers].n);
     set_map(scene, &setup->map);
     set_gates(&scene->time, &setup->gates);
     set_directions(&scene->directions, &setup->directions);
@@ -502,7 +491,9 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     to->world.intersect_mesh = cml_mesh_surface_hit;
     set_up(scene, surfaces->origin.at, options, &to->world.setup);
     if (scene->facets) set_facets(surfaces, &scene->map, to);
-    status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
+    status = cml_set_contacts(scene, surfaces->origin.at, to, err);
+    if (status == CML_OK)
+        status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
     if (status == CML_OK) status = cml_set_detectors(scene, surfaces, options->windows, to, err);
     const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, options);
     if (status == CML_OK)
@@ -512,19 +503,23 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     return status;
 }
 
-/* Makes a world only if a beam starts inside, because all other beams start in medium 0. */
+/* Makes a world only if a beam starts inside, or may be stopped, because all other beams start in medium 0.
+ */
 cml_status cml_source_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                            int **medium, struct cml_error *err)
+                            int **medium, double *stopped, struct cml_error *err)
 {
-    const struct cml_engine_options plain = {0};
+    const struct cml_engine_options plain = {.lattice = true};
     struct cml_owned_world owned;
+    int passes;
     int *found = calloc((size_t)scene->num_beams, sizeof *found);
     if (!found) return cml_fail_memory(err, scene->num_beams * 4.0, "the beams");
     cml_status status = CML_OK;
-    if (cml_scene_starts_inside(scene)) {
+    if (cml_scene_starts_inside(scene) || scene->num_contacts > 0) {
         status = cml_owned_world_create(scene, surfaces, &plain, &owned, err);
         for (int k = 0; status == CML_OK && k < scene->num_beams; k++)
             found[k] = cml_source_medium(&owned.world, &scene->beams[k]);
+        for (int k = 0; status == CML_OK && stopped && k < scene->num_beams; k++)
+            stopped[k] = cml_stopped_share(&owned.world, k, &passes);
         if (status == CML_OK) cml_owned_world_free(&owned);
     }
     *medium = status == CML_OK ? found : NULL;

@@ -15,6 +15,10 @@
 #define cml_source_bytes cml_source_bytes_double
 #define cml_source_media cml_source_media_double
 #define cml_source_medium cml_source_medium_double
+#define cml_add_level cml_add_level_double
+#define cml_area_of cml_area_of_double
+#define cml_set_contacts cml_set_contacts_double
+#define cml_stopped_share cml_stopped_share_double
 #define cml_set_detectors cml_set_detectors_double
 #define cml_set_sources cml_set_sources_double
 #define cml_owned_world_create cml_owned_world_create_double
@@ -22,10 +26,15 @@
 #define cml_world_bytes cml_world_bytes_double
 #endif
 
+/* Lists of the cells of grids over detectors or contacts, as struct cml_detector_level reads them. */
+struct cml_cell_lists {
+    int *start, *list, num_starts, num_entries;
+};
+
 /* A world with the arrays that it points into. Its meshes belong to the surfaces from which it was made. */
 struct cml_owned_world {
     struct cml_world world;
-    struct cml_arrays arrays;     /* all arrays but detector_start and detector_list */
+    struct cml_arrays arrays;     /* all arrays but those of cell lists */
     struct cml_medium *media;     /* [num_layers + 2 + num_bodies] */
     struct cml_surface *surfaces; /* [num_layers + 1 + num_bodies] */
     real *rings;      /* [CML_RING_ROWS][num_rings]: ring_r, ring_z, ring_slope and both horizons */
@@ -44,7 +53,8 @@ struct cml_owned_world {
     cml_u32 *image_words;
     struct cml_detector *detectors; /* [num_detectors] */
     struct cml_detector_level *detector_levels;
-    int *detector_start, *detector_list;
+    struct cml_contact *contacts; /* [num_contacts] */
+    struct cml_cell_lists detector_cells, contact_cells;
     real *row_more, *row_hits, *row_part, *row_most; /* arrays of struct cml_rows */
     size_t num_light_cells, num_image_words;
     size_t num_body_nodes, num_body_grids, num_body_cells;
@@ -74,7 +84,8 @@ double cml_source_bytes(const struct cml_scene *scene);
 int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam);
 
 /* Finds the medium in which the middle of each beam lies: (*medium)[num_beams], which the caller frees; 0 for
- * beams that start above all surfaces. CML_E_INPUT: a beam cannot start at its place, or memory runs out. */
+ * beams that start above all surfaces. stopped: NULL, or [num_beams] for the shares of the beams that faces
+ * and ports stop. CML_E_INPUT: a beam cannot start at its place, or memory runs out. */
 CML_NODISCARD cml_status cml_source_media(const struct cml_scene *scene,
                                           const struct cml_surface_set *surfaces, int **medium,
-                                          struct cml_error *err);
+                                          double *stopped, struct cml_error *err);

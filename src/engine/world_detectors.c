@@ -11,25 +11,47 @@
 
 /* ---- one detector ---- */
 
+/* Returns the outline of a detector, of a map all its pixels. */
+static struct cml_outline outline_of(const struct cml_scene *scene, const struct cml_detector_def *def)
+{
+    struct cml_outline outline = {def->shape, def->x, def->y, {def->size[0], def->size[1]}};
+    if (def->contact) return cml_contact_outline(&scene->contacts[def->contact - 1]);
+    if (def->shape == CML_DETECTOR_RING) return outline;
+    outline.size[0] = def->nx * def->size[0];
+    outline.size[1] = def->ny * def->size[1];
+    return outline;
+}
+
+struct cml_area cml_area_of(const struct cml_outline *outline, const double origin[2])
+{
+    const double x = outline->x - origin[0], y = outline->y - origin[1], *size = outline->size,
+                 half_w = size[0] / 2, half_h = size[1] / 2;
+    return (struct cml_area){.shape = (int)outline->shape,
+                             .middle = cml_vec_of(x, y, 0),
+                             .inner2 = (real)(size[0] * size[0]),
+                             .outer2 = (real)(size[1] * size[1]),
+                             .low_x = (real)(x - half_w),
+                             .high_x = (real)(x + half_w),
+                             .low_y = (real)(y - half_h),
+                             .high_y = (real)(y + half_h)};
+}
+
 /* Returns a detector as the walk reads it, counted from the scene's origin. */
 static struct cml_detector detector_of(const struct cml_scene *scene, const double origin[2],
                                        const struct cml_detector_def *def)
 {
-    const double x = def->x - origin[0], y = def->y - origin[1];
+    const struct cml_outline outline = outline_of(scene, def);
     const double n = scene->media[def->below ? scene->num_layers + 1 : 0].n;
-    const double sine = sin(def->angle), half_w = def->nx * def->size[0] / 2,
-                 half_h = def->ny * def->size[1] / 2;
-    struct cml_detector d = {.shape = (int)def->shape, .aimed = def->aimed, .diffuse = def->diffuse};
+    const double sine = sin(def->angle);
+    struct cml_detector d = {.shape = (int)def->shape,
+                             .aimed = def->aimed,
+                             .diffuse = def->diffuse,
+                             .port = def->contact,
+                             .na = def->na};
     d.axis = cml_vec_of(sine * cos(def->azimuth), sine * sin(def->azimuth),
                         (def->below ? 1 : -1) * cos(def->angle));
-    d.most_sine2 = (real)(def->na < n ? (def->na / n) * (def->na / n) : 2);
-    d.middle = cml_vec_of(x, y, 0);
-    d.inner2 = (real)(def->size[0] * def->size[0]);
-    d.outer2 = (real)(def->size[1] * def->size[1]);
-    d.low_x = (real)(x - half_w);
-    d.high_x = (real)(x + half_w);
-    d.low_y = (real)(y - half_h);
-    d.high_y = (real)(y + half_h);
+    d.most_sine2 = cml_most_sine2(def->na, n);
+    d.area = cml_area_of(&outline, origin);
     d.pixels = (struct cml_map){.nx = def->nx,
                                 .ny = def->ny,
                                 .per_dx = (real)(1 / def->size[0]),
@@ -45,35 +67,24 @@ struct rectangle {
     double low[2], high[2];
 };
 
-/* Returns the rectangle around a detector, in coordinates of the scene. */
-static struct rectangle rectangle_around(const struct cml_detector_def *def)
+/* Returns the rectangle around an outline, in coordinates of the scene. */
+static struct rectangle rectangle_around(const struct cml_outline *outline)
 {
-    const bool ring = def->shape == CML_DETECTOR_RING;
-    const double w = ring ? def->size[1] : def->nx * def->size[0] / 2,
-                 h = ring ? def->size[1] : def->ny * def->size[1] / 2;
-    return (struct rectangle){{def->x - w, def->y - h}, {def->x + w, def->y + h}};
+    const bool ring = outline->shape == CML_DETECTOR_RING;
+    const double w = ring ? outline->size[1] : outline->size[0] / 2,
+                 h = ring ? outline->size[1] : outline->size[1] / 2;
+    return (struct rectangle){{outline->x - w, outline->y - h}, {outline->x + w, outline->y + h}};
 }
 
-/* The side and depth of a detector, by which detectors are sorted into levels. */
-struct place {
-    bool below;
-    double z;
-    int number; /* number of the detector */
-};
-/* The detectors at one side and depth, place[count], and a grid of n by n cells over the rectangle around
- * all of them. */
+/* Detectors at one side and depth, or contacts of boundary 0, and a grid of n by n cells over the rectangle
+ * around all of them. */
 struct level {
-    const struct cml_scene *scene;
-    const struct place *place;
-    const double *origin; /* the scene's origin, cm */
+    const struct cml_outline *outline; /* [count] */
+    const int *number;                 /* [count] their numbers in lists, rising */
+    const double *origin;              /* the scene's origin, cm */
     int count, n;
     struct rectangle all;
 };
-
-static const struct cml_detector_def *detector_at(const struct level *level, int k)
-{
-    return &level->scene->detectors[level->place[k].number];
-}
 
 /* Finds the cells along an axis that a detector reaches into, widened by more than rounding moves a place. */
 static void find_cells(const struct level *level, const struct rectangle *own, int axis, int *first,
@@ -85,7 +96,7 @@ static void find_cells(const struct level *level, const struct rectangle *own, i
 }
 
 /* True if the ring itself reaches into a cell, and not only its hole. */
-static bool ring_reaches(const struct level *level, const struct cml_detector_def *def, int ix, int iy)
+static bool ring_reaches(const struct level *level, const struct cml_outline *def, int ix, int iy)
 {
     const int at[2] = {ix, iy};
     const double middle[2] = {def->x, def->y};
@@ -105,7 +116,7 @@ static double fill_cells(const struct level *level, double most, int *next, int 
 {
     double entries = 0;
     for (int k = 0; k < level->count; k++) {
-        const struct cml_detector_def *def = detector_at(level, k);
+        const struct cml_outline *def = &level->outline[k];
         const struct rectangle own = rectangle_around(def);
         int first[2], last[2];
         for (int i = 0; i < 2; i++) find_cells(level, &own, i, &first[i], &last[i]);
@@ -113,7 +124,7 @@ static double fill_cells(const struct level *level, double most, int *next, int 
             for (int ix = first[0]; ix <= last[0] && entries < most; ix++) {
                 if (def->shape == CML_DETECTOR_RING && !ring_reaches(level, def, ix, iy)) continue;
                 const int entry = next[iy * level->n + ix]++;
-                if (list) list[entry] = level->place[k].number;
+                if (list) list[entry] = level->number[k];
                 entries++;
             }
     }
@@ -124,9 +135,9 @@ static double fill_cells(const struct level *level, double most, int *next, int 
 static void find_rectangle(struct level *level)
 {
     struct rectangle *all = &level->all;
-    *all = rectangle_around(detector_at(level, 0));
+    *all = rectangle_around(&level->outline[0]);
     for (int k = 1; k < level->count; k++) {
-        const struct rectangle own = rectangle_around(detector_at(level, k));
+        const struct rectangle own = rectangle_around(&level->outline[k]);
         for (int i = 0; i < 2; i++) {
             all->low[i] = fmin(all->low[i], own.low[i]);
             all->high[i] = fmax(all->high[i], own.high[i]);
@@ -141,23 +152,15 @@ static void find_rectangle(struct level *level)
     }
 }
 
-/* ---- all detectors ---- */
-
-/* The detection of a world while it is made: lists grow level by level. */
-struct detection {
-    struct cml_owned_world *to;
-    int num_starts, num_entries;
-};
-
-/* Enlarges the lists of a detection by `starts` cells and `entries` entries. */
-static cml_status make_room(struct detection *d, int starts, int entries, struct cml_error *err)
+/* Enlarges lists by `starts` cells and `entries` entries. */
+static cml_status make_room(struct cml_cell_lists *lists, int starts, int entries, struct cml_error *err)
 {
-    const size_t all_starts = (size_t)d->num_starts + (size_t)starts,
-                 all_entries = (size_t)d->num_entries + (size_t)entries;
-    int *start = realloc(d->to->detector_start, all_starts * sizeof *start);
-    if (start) d->to->detector_start = start;
-    int *list = realloc(d->to->detector_list, (all_entries + 1) * sizeof *list);
-    if (list) d->to->detector_list = list;
+    const size_t all_starts = (size_t)lists->num_starts + (size_t)starts,
+                 all_entries = (size_t)lists->num_entries + (size_t)entries;
+    int *start = realloc(lists->start, all_starts * sizeof *start);
+    if (start) lists->start = start;
+    int *list = realloc(lists->list, (all_entries + 1) * sizeof *list);
+    if (list) lists->list = list;
     if (start && list) return CML_OK;
     return cml_fail_memory(err, (double)(all_starts + all_entries) * sizeof *list, "detectors");
 }
@@ -178,42 +181,48 @@ static cml_status choose_cells(struct level *level, int **count, double *entries
     }
 }
 
-/* Adds the detectors of one level, and the grid over them. */
-static cml_status add_level(struct detection *d, struct level *level, struct cml_detector_level *made,
-                            struct cml_error *err)
+cml_status cml_add_level(const struct cml_outline *outline, const int *number, int count,
+                         const double origin[2], struct cml_cell_lists *lists,
+                         struct cml_detector_level *made, struct cml_error *err)
 {
-    const struct cml_scene *scene = level->scene;
-    int *next = NULL, end = d->num_entries;
+    struct level of = {.outline = outline, .number = number, .origin = origin, .count = count}, *level = &of;
+    int *next = NULL, end = lists->num_entries;
     double entries = 0;
     find_rectangle(level);
     CML_TRY(choose_cells(level, &next, &entries, err));
     const int cells = level->n * level->n;
-    const cml_status status = make_room(d, cells + 1, (int)entries, err);
+    const cml_status status = make_room(lists, cells + 1, (int)entries, err);
     for (int c = 0; status == CML_OK && c < cells; c++) {
-        const int count = next[c];
-        d->to->detector_start[d->num_starts + c] = next[c] = end;
-        end += count;
+        const int reach = next[c];
+        lists->start[lists->num_starts + c] = next[c] = end;
+        end += reach;
     }
     if (status == CML_OK) {
-        d->to->detector_start[d->num_starts + cells] = end;
-        (void)fill_cells(level, INFINITY, next, d->to->detector_list);
-        const bool below = level->place->below;
+        lists->start[lists->num_starts + cells] = end;
+        (void)fill_cells(level, INFINITY, next, lists->list);
         *made = (struct cml_detector_level){
-            .below = below,
-            .z = (real)(level->place->z - scene->boundaries[below ? scene->num_layers : 0].z),
             .nx = level->n,
             .ny = level->n,
-            .first = d->num_starts,
+            .first = lists->num_starts,
             .corner_x = (real)(level->all.low[0] - level->origin[0]),
             .corner_y = (real)(level->all.low[1] - level->origin[1]),
             .per_cell_x = (real)(level->n / (level->all.high[0] - level->all.low[0])),
             .per_cell_y = (real)(level->n / (level->all.high[1] - level->all.low[1]))};
-        d->num_starts += cells + 1;
-        d->num_entries = end;
+        lists->num_starts += cells + 1;
+        lists->num_entries = end;
     }
     free(next);
     return status;
 }
+
+/* ---- all detectors ---- */
+
+/* The side and depth of a detector, by which detectors are sorted into levels. */
+struct place {
+    bool below;
+    double z;
+    int number; /* number of the detector */
+};
 
 /* Orders detectors by side, level and number, for qsort. */
 static int compare_places(const void *a, const void *b)
@@ -225,18 +234,23 @@ static int compare_places(const void *a, const void *b)
 }
 
 /* Adds all levels. A level is a run of detectors with the same side and depth, because place[] is sorted
- * by both. */
+ * by both. outline, number: [num_detectors] scratch. */
 static cml_status add_levels(const struct cml_scene *scene, const double origin[2], const struct place *place,
-                             struct detection *d, int *num_levels, struct cml_error *err)
+                             struct cml_outline *outline, int *number, struct cml_owned_world *to,
+                             int *num_levels, struct cml_error *err)
 {
     const int n = scene->num_detectors;
     for (int first = 0, end; first < n; first = end) {
-        struct level level = {.scene = scene, .place = place + first, .origin = origin};
-        for (end = first;
-             end < n && place[end].below == place[first].below && place[end].z == place[first].z;)
-            end++;
-        level.count = end - first;
-        CML_TRY(add_level(d, &level, &d->to->detector_levels[(*num_levels)++], err));
+        const struct place at = place[first];
+        struct cml_detector_level *level = &to->detector_levels[(*num_levels)++];
+        for (end = first; end < n && place[end].below == at.below && place[end].z == at.z; end++) {
+            number[end] = place[end].number;
+            outline[end] = outline_of(scene, &scene->detectors[number[end]]);
+        }
+        CML_TRY(cml_add_level(outline + first, number + first, end - first, origin, &to->detector_cells,
+                              level, err));
+        level->below = at.below;
+        level->z = (real)(at.z - scene->boundaries[at.below ? scene->num_layers : 0].z);
     }
     return CML_OK;
 }
@@ -245,11 +259,11 @@ static cml_status add_levels(const struct cml_scene *scene, const double origin[
 static int split_of(const struct cml_world *world, int num_detectors, const struct cml_detector *detectors,
                     const struct cml_detector_def *defs)
 {
-    const struct cml_vec up = {0, 0, -1};
+    const struct cml_ray_out up = {.u = {0, 0, -1}};
     const bool alike = world->setup.num_sources == 1 && world->sources->shape == CML_BEAM_PENCIL &&
                        world->sources->middle.x == 0 && world->sources->middle.y == 0;
     for (int k = 0; k < num_detectors; k++)
-        if (!defs[k].below && !defs[k].diffuse && (!defs[k].aimed || cml_is_in_cone(&detectors[k], up)))
+        if (!defs[k].below && !defs[k].diffuse && (!defs[k].aimed || cml_is_in_cone(&detectors[k], &up)))
             return alike ? CML_SPLIT_ALIKE : CML_SPLIT_APART;
     return CML_SPLIT_UNSEEN;
 }
@@ -279,28 +293,33 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
                              struct cml_error *err)
 {
     const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, &(struct cml_engine_options){0});
-    struct detection d = {.to = to};
     const size_t n = (size_t)scene->num_detectors;
     cml_u64 pixels = 0;
     int num_levels = 0;
     if (n == 0) return CML_OK;
     struct place *place = malloc(n * sizeof *place);
+    struct cml_outline *outline = malloc(n * sizeof *outline);
+    int *number = malloc(n * sizeof *number);
     to->detectors = cml_arrays_add(&to->arrays, n, sizeof *to->detectors);
     to->detector_levels = cml_arrays_add(&to->arrays, n, sizeof *to->detector_levels);
-    if (!place || to->arrays.failed) {
-        free(place);
-        return cml_fail_memory(err, (double)(n * sizeof *to->detectors), "detectors");
-    }
-    for (size_t k = 0; k < n; k++) {
+    const bool failed = !place || !outline || !number || to->arrays.failed;
+    cml_status status =
+        failed ? cml_fail_memory(err, (double)(n * sizeof *to->detectors), "detectors") : CML_OK;
+    for (size_t k = 0; !failed && k < n; k++) {
         const struct cml_detector_def *def = &scene->detectors[k];
         place[k] = (struct place){def->below, def->z, (int)k};
         to->detectors[k] = detector_of(scene, surfaces->origin.at, def);
         to->detectors[k].first_pixel = pixels;
         if (def->shape == CML_DETECTOR_MAP) pixels += (cml_u64)def->nx * (cml_u64)def->ny;
     }
-    qsort(place, n, sizeof *place, compare_places);
-    const cml_status status = add_levels(scene, surfaces->origin.at, place, &d, &num_levels, err);
+    if (!failed) {
+        qsort(place, n, sizeof *place, compare_places);
+        status = add_levels(scene, surfaces->origin.at, place, outline, number, to, &num_levels, err);
+    }
     free(place);
+    free(outline);
+    free(number);
+    if (status != CML_OK) return status;
     to->world.detection =
         (struct cml_detection){.num_detectors = (int)n,
                                .num_levels = num_levels,
@@ -308,8 +327,8 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
                                .split = split_of(&to->world, (int)n, to->detectors, scene->detectors),
                                .detectors = to->detectors,
                                .levels = to->detector_levels,
-                               .start = to->detector_start,
-                               .list = to->detector_list,
+                               .start = to->detector_cells.start,
+                               .list = to->detector_cells.list,
                                .per_length = 1 / grid.path_unit,
                                .top = grid.path_top};
     return status;

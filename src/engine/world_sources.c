@@ -129,13 +129,14 @@ static int cut_table(const struct cml_light *light, struct cml_light_cell *cell,
 
 /* ---- the start of packets ---- */
 
-/* Finds the medium in which packets start below planes, and the weights that are split off before (P1). */
-static void split_specular(const struct cml_scene *scene, const struct cml_surface_set *start_as,
+/* Finds the medium in which packets start below planes, and the weights that are split off before (P1). n:
+ * index of the medium from which they come. */
+static void split_specular(const struct cml_scene *scene, double n, const struct cml_surface_set *start_as,
                            struct cml_source *source)
 {
     const bool planes = scene->num_layers > 1 && start_as->item[1].kind == CML_SURFACE_PLANE &&
                         !cml_is_rough(&start_as->item[1].rough) && !cml_layer_has_bodies(scene, 1);
-    const struct cml_specular split = cml_specular_split(scene->media, scene->num_layers, planes);
+    const struct cml_specular split = cml_specular_split(scene->media, n, scene->num_layers, planes);
     source->medium = split.glass ? 2 : 1;
     source->specular = (cml_u32)lrint(split.reflected * CML_WEIGHT_ONE);
     source->between = (cml_u32)lrint(split.between * CML_WEIGHT_ONE);
@@ -174,8 +175,9 @@ static void set_light(const struct cml_light *light, struct cml_source *source)
 /* Fills the axis of a source, and two unit vectors across it. */
 static void set_axis(const struct cml_beam *beam, struct cml_source *source)
 {
-    const double st = cml_beam_sine(beam), ct = cml_beam_descent(beam), sp = sin(beam->azimuth),
-                 cp = cos(beam->azimuth);
+    /* The azimuth of an upright axis turns no port. */
+    const double azimuth = beam->contact && beam->angle == 0 ? 0 : beam->azimuth;
+    const double st = cml_beam_sine(beam), ct = cml_beam_descent(beam), sp = sin(azimuth), cp = cos(azimuth);
     source->axis = cml_vec_of(st * cp, st * sp, ct);
     source->e1 = cml_vec_of(ct * cp, ct * sp, -st);
     source->e2 = cml_vec_of(-sp, cp, 0);
@@ -376,8 +378,18 @@ static cml_status place_above(const struct cml_scene *scene, const struct cml_be
     CML_TRY(check_flight(scene, beam, &surfaces->origin, fabs(start) * tan(beam->angle), 0, err));
     if (start_as->item[0].kind == CML_SURFACE_PLANE && !cml_is_rough(&start_as->item[0].rough) &&
         beam->angle == 0 && beam->light.kind == CML_LIGHT_OF_PARALLEL)
-        split_specular(scene, start_as, source);
+        split_specular(scene, cml_beam_index(scene, beam), start_as, source);
     return CML_OK;
+}
+
+/* Makes a beam from above start in its port. Places and angles lie in axes of their own, and the aperture
+ * counts in the medium of the port, so the widest angle is found here. */
+static void set_port(const struct cml_scene *scene, const struct cml_beam *beam, struct cml_source *source)
+{
+    const double sine = beam->light.na / cml_beam_index(scene, beam);
+    source->port = beam->contact;
+    if (beam->contact && source->light == CML_LIGHT_EVEN)
+        source->spread = (real)(sine * sine / (1 + sqrt(1 - sine * sine)));
 }
 
 /* ---- all beams ---- */
@@ -434,6 +446,22 @@ int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam
     return beam->inside ? medium_beside(world, beam, none) : 0;
 }
 
+/* Refuses a beam of which faces and ports stop all. */
+static cml_status check_stops(const struct cml_scene *scene, const struct cml_world *world,
+                              struct cml_error *err)
+{
+    for (int k = 0; k < scene->num_beams; k++) {
+        int passes;
+        (void)cml_stopped_share(world, k, &passes);
+        if (!passes)
+            return cml_fail_field(
+                err, scene->file, scene->beams[k].line, "beam", "nothing of it passes boundary 0",
+                "light that the open plane lets in; light of a fibre starts in its port: write "
+                "beam port NAME");
+    }
+    return CML_OK;
+}
+
 /* Fills one source per beam: its shape, the directions of its light, its axis, and the place and medium where
  * its packets start. */
 cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -457,9 +485,14 @@ cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surfa
             CML_TRY(place_inside(scene, beam, surfaces, &to->world, source, err));
         else
             CML_TRY(place_above(scene, beam, surfaces, start_as, source, err));
-        source->is_common =
-            !beam->inside && beam->light.kind == CML_LIGHT_OF_PARALLEL && beam->shape <= CML_BEAM_GAUSSIAN;
+        source->is_common = !beam->inside && beam->light.kind == CML_LIGHT_OF_PARALLEL &&
+                            beam->shape <= CML_BEAM_GAUSSIAN && !(beam->contact && beam->angle > 0);
+        set_port(scene, beam, source);
     }
-    if (scene->num_beams == 1) setup->specular = to->sources[0].specular;
-    return CML_OK;
+    const struct cml_source *first = to->sources;
+    const bool may_stop = scene->num_contacts > 0 && first->medium > 0 && !first->inside && !first->port &&
+                          first->shape != CML_BEAM_PENCIL;
+    setup->apart = scene->num_beams > 1 || may_stop;
+    if (!setup->apart) setup->specular = first->specular;
+    return scene->num_contacts > 0 ? check_stops(scene, &to->world, err) : CML_OK;
 }

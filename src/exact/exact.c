@@ -80,8 +80,9 @@ static double specular(const struct search *search, const struct cml_directions 
     const struct cml_medium_def *media = search->media;
     const double normal = cml_exact_light_normal(search->light);
     if (is_rough(search, 0)) return reflected_by(search->rough.boundary[0].R, directions);
-    double sum = normal * (cml_specular_split(media, search->num_layers, !is_rough(search, 1)).reflected -
-                           cml_stack_fresnel(media[0].n, 1, media[1].n, 1));
+    double sum =
+        normal * (cml_specular_split(media, media[0].n, search->num_layers, !is_rough(search, 1)).reflected -
+                  cml_stack_fresnel(media[0].n, 1, media[1].n, 1));
     for (int i = 0; i < directions->live[0]; i++)
         sum += directions->light[i] *
                cml_stack_fresnel(media[0].n, cml_directions_cosine(directions, i, media[0].n), media[1].n,
@@ -326,6 +327,12 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
     if (scene->num_bodies > 0)
         return cml_fail_field(err, scene->file, scene->bodies[0].line, "body 1", "i",
                               "layers without bodies: adding-doubling knows no others");
+    if (scene->num_contacts > 0)
+        return cml_fail(
+            err, CML_E_INPUT,
+            "%s:%d: boundary 0 has a face (expected one index above all of it: adding-doubling knows "
+            "no face or port lines)",
+            scene->file, scene->contacts->line);
     if (scene->backing.kind == CML_BACKING_METAL)
         return cml_fail_field(err, scene->file, scene->backing.line, "backing", "metal",
                               "mirror or lambertian: adding-doubling knows no others");

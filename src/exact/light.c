@@ -134,7 +134,8 @@ static cml_status check_beams(const struct cml_scene *scene, double top, struct 
 
 bool cml_exact_knows(const struct cml_scene *scene, double top)
 {
-    return scene->backing.kind != CML_BACKING_METAL && all_come_from_above(scene, top);
+    return scene->backing.kind != CML_BACKING_METAL && scene->num_contacts == 0 &&
+           all_come_from_above(scene, top);
 }
 
 /* Collects the light of all beams of a scene. */

@@ -26,8 +26,8 @@ struct cml_exact_light {
  * empty, else the caller clears it. */
 CML_NODISCARD cml_status cml_exact_light_create(const struct cml_scene *scene, double top,
                                                 struct cml_exact_light *light, struct cml_error *err);
-/* True if adding-doubling can treat the scene's light and backing: all light comes from above the plane z =
- * top, and the backing is not a metal. */
+/* True if adding-doubling can treat the scene's light, backing and boundary 0: all light comes from above the
+ * plane z = top, the backing is not a metal, and boundary 0 has no face or port. */
 bool cml_exact_knows(const struct cml_scene *scene, double top);
 
 void cml_exact_light_clear(struct cml_exact_light *light);

@@ -17,9 +17,9 @@
 #include "input/mci_beam.h"
 #include "input/mci_body.h"
 #include "input/mci_boundary.h"
+#include "input/mci_contact.h"
 #include "input/mci_detector.h"
 #include "input/mci_lines.h"
-#include "input/mci_map.h"
 #include "input/mci_settings.h"
 #include "input/mci_medium.h"
 #include "input/mci_options.h"
@@ -39,7 +39,8 @@ enum stage {
     /* keyword lines of the run: beam, map, facets, time, directions, fluence, detector, photons */
     STAGE_RUN,
     STAGE_ABOVE, /* no keyword lines */
-    /* b, m, rough; behind the first layer i and phase, too; behind the last layer backing, too */
+    /* b, m, rough; before the first layer face and port, too; behind it i and phase; behind the last one
+     * backing, too */
     STAGE_LAYERS
 };
 
@@ -141,6 +142,8 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
             CML_TRY(cml_mci_boundary(reader, kind, b, &scene->boundaries[b]));
         else if (kind == CML_MCI_ROUGH && stage == STAGE_LAYERS)
             CML_TRY(cml_mci_rough_line(reader, b, &scene->boundaries[b].rough));
+        else if ((kind == CML_MCI_FACE || kind == CML_MCI_PORT) && stage == STAGE_LAYERS && b == 0)
+            CML_TRY(cml_mci_contact(reader, kind == CML_MCI_PORT, scene));
         else if (kind == CML_MCI_I && stage == STAGE_LAYERS && b > 0)
             CML_TRY(cml_mci_body(reader, b, scene));
         else if (kind == CML_MCI_PHASE && stage == STAGE_LAYERS && b > 0 && scene->boundaries[b].line == 0 &&
@@ -337,6 +340,7 @@ static cml_status complete(struct cml_mci_reader *reader, struct cml_scene *scen
     CML_TRY(cml_mci_check_media(reader, scene));
     CML_TRY(cml_mci_check_rough(reader, scene));
     CML_TRY(cml_mci_check_map(reader, scene));
+    CML_TRY(cml_mci_end_contacts(reader, scene));
     CML_TRY(cml_mci_check_fluence(reader, scene));
     CML_TRY(cml_mci_check_beams(reader, scene));
     CML_TRY(cml_mci_end_detectors(reader, scene));

@@ -5,7 +5,9 @@
 #include "base/constants.h"
 #include "base/shared.h"
 #include "input/mesh/gsf.h"
+#include "input/mci_contact.h"
 #include "input/mci_options.h"
+#include "scene/contact.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -113,17 +115,18 @@ static const struct {
               [CML_BEAM_GAUSSIAN] = {"gaussian", CML_KEYS_BEAM_DISK},
               [CML_BEAM_RING] = {"ring", CML_KEYS_BEAM_RING},
               [CML_BEAM_RECTANGLE] = {"rectangle", CML_KEYS_BEAM_RECTANGLE},
-              [CML_BEAM_IMAGE] = {"image", CML_KEYS_NONE}};
+              [CML_BEAM_IMAGE] = {"image", CML_KEYS_NONE},
+              {"port", CML_KEYS_NONE}};
 enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
 void cml_mci_beam_parts(struct cml_scene *scene, int k, bool in_line, struct cml_key_part *part)
 {
     struct cml_beam *beam = &scene->beams[k];
-    *part++ = (struct cml_key_part){CML_KEYS_BEAM, beam};
-    if (in_line || beam->inside) *part++ = (struct cml_key_part){CML_KEYS_START, beam};
+    if (!beam->port) *part++ = (struct cml_key_part){CML_KEYS_BEAM, beam};
+    if ((in_line && !beam->port) || beam->inside) *part++ = (struct cml_key_part){CML_KEYS_START, beam};
     *part++ = (struct cml_key_part){beam->inside ? CML_KEYS_INSIDE : CML_KEYS_ABOVE, beam};
     *part++ = (struct cml_key_part){CML_KEYS_AXIS, beam};
-    if (!beam->of_tile && shapes[beam->shape].keys != CML_KEYS_NONE)
+    if (!beam->of_tile && !beam->port && shapes[beam->shape].keys != CML_KEYS_NONE)
         *part++ = (struct cml_key_part){shapes[beam->shape].keys, beam};
     if (beam->light.kind == CML_LIGHT_OF_NA) *part++ = (struct cml_key_part){CML_KEYS_LIGHT, &beam->light};
     if (in_line || scene->num_beams > 1) *part++ = (struct cml_key_part){CML_KEYS_SHARE, &scene->shares[k]};
@@ -141,7 +144,9 @@ static cml_status read_beam_shape(const struct cml_mci_line *line, struct cml_be
     if (shape == NUM_SHAPES)
         return cml_mci_fail_option(
             line, "shape", word,
-            "pencil, disk R, gaussian R, ring R1 R2, rectangle W H, rectangle tile or image \"FILE.gsf\"");
+            "pencil, disk R, gaussian R, ring R1 R2, rectangle W H, rectangle tile, image \"FILE.gsf\" or "
+            "port NAME");
+    if (shape == NUM_SHAPES - 1) return cml_mci_take_port(line, &beam->port);
     beam->shape = (enum cml_beam_shape)shape;
     char *next = *cursor + strspn(*cursor, " \t");
     beam->of_tile =
@@ -218,7 +223,7 @@ cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
     beam->given = true;
     beam->line = reader->text.line;
     CML_TRY(read_beam_shape(&line, beam));
-    beam->inside = cml_mci_find_word(reader->cursor, "z=") != NULL;
+    beam->inside = !beam->port && cml_mci_find_word(reader->cursor, "z=") != NULL;
     cml_mci_beam_parts(scene, k, true, parts);
     CML_TRY(cml_mci_leading_numbers(reader, "beam", parts));
     return cml_mci_options(&line);
@@ -238,10 +243,12 @@ static cml_status fail_beam(const struct cml_mci_reader *reader, const struct cm
 static cml_status check_light(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];
-    const double degrees = 180 / CML_PI, n = scene->media[0].n, widest = cml_light_widest(&beam->light, n);
+    const double degrees = 180 / CML_PI, n = cml_beam_index(scene, beam),
+                 widest = cml_light_widest(&beam->light, n);
     char value[120], expected[160];
     if (beam->light.kind == CML_LIGHT_OF_ISOTROPIC)
-        return fail_beam(reader, scene, k, "beam: light", "isotropic", "z= beside it: it goes up, too");
+        return fail_beam(reader, scene, k, "beam: light", "isotropic",
+                         beam->port ? "light that goes down" : "z= beside it: it goes up, too");
     if (beam->light.kind == CML_LIGHT_OF_NA && beam->light.na > n) {
         snprintf(value, sizeof value, "na:%g", beam->light.na);
         snprintf(expected, sizeof expected, "at most n = %g of the medium that it starts in", n);
@@ -322,10 +329,33 @@ static cml_status check_beam(const struct cml_mci_reader *reader, const struct c
     return beam->inside ? CML_OK : check_light(reader, scene, k);
 }
 
+/* Gives a beam the place and the shape of the port that its light comes from. A later line over the port is
+ * refused, because it would stop a part of this light. */
+static cml_status start_in_port(const struct cml_mci_reader *reader, const struct cml_scene *scene,
+                                struct cml_beam *beam)
+{
+    char expected[120];
+    CML_TRY(cml_mci_find_port(reader, scene, beam->port, "beam", beam->line, &beam->contact));
+    if (!beam->contact) return CML_OK;
+    const struct cml_contact_def *port = &scene->contacts[beam->contact - 1];
+    const bool round = port->shape == CML_DETECTOR_RING, disk = round && port->size[0] == 0;
+    const int above = cml_contact_above(scene, beam->contact);
+    beam->shape = disk ? CML_BEAM_DISK : round ? CML_BEAM_RING : CML_BEAM_RECTANGLE;
+    beam->size[0] = port->size[disk ? 1 : 0];
+    beam->size[1] = disk ? 0 : port->size[1];
+    beam->x = port->x;
+    beam->y = port->y;
+    if (!above) return CML_OK;
+    snprintf(expected, sizeof expected, "a port with no line on top of it; line %d lies on top",
+             scene->contacts[above - 1].line);
+    return cml_fail_field(reader->err, scene->file, beam->line, "beam: port", beam->port, expected);
+}
+
 cml_status cml_mci_check_beams(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_beams; k++) {
         if (scene->beams[k].of_tile) CML_TRY(fit_to_tile(reader, scene, k));
+        CML_TRY(start_in_port(reader, scene, &scene->beams[k]));
         CML_TRY(check_beam(reader, scene, k));
     }
     return CML_OK;

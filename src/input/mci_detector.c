@@ -1,15 +1,16 @@
-/* Reader of `detector` lines. SPDX-License-Identifier: MIT */
+/* Reader of the lines that ask for results with words of their own: detector, map and photons.
+ * SPDX-License-Identifier: MIT */
 #include "input/mci_detector.h"
 
 #include "base/array.h"
+#include "boundary.h"
+#include "input/mci_contact.h"
 #include "input/mci_options.h"
-#include "result/quantity.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #define MOST_DETECTORS 32767
-#define MOST_NAME 24
 
 /* ---- keys of a detector ---- */
 
@@ -20,15 +21,16 @@ static const struct {
 } shapes[] = {{"disk", CML_DETECTOR_RING, CML_KEYS_DETECTOR_DISK},
               {"ring", CML_DETECTOR_RING, CML_KEYS_DETECTOR_RING},
               {"rectangle", CML_DETECTOR_RECTANGLE, CML_KEYS_DETECTOR_RECTANGLE},
-              {"map", CML_DETECTOR_MAP, CML_KEYS_DETECTOR_MAP}};
+              {"map", CML_DETECTOR_MAP, CML_KEYS_DETECTOR_MAP},
+              {"port", CML_DETECTOR_PORT, CML_KEYS_NONE}};
 enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
 void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part)
 {
     int s = detector->ring ? 1 : 0;
     while (shapes[s].shape != detector->shape) s++;
-    *part++ = (struct cml_key_part){CML_KEYS_DETECTOR, detector};
-    *part++ = (struct cml_key_part){shapes[s].keys, detector};
+    if (!detector->port) *part++ = (struct cml_key_part){CML_KEYS_DETECTOR, detector};
+    if (!detector->port) *part++ = (struct cml_key_part){shapes[s].keys, detector};
     if (detector->aimed) *part++ = (struct cml_key_part){CML_KEYS_AIM, detector};
     *part = (struct cml_key_part){CML_KEYS_NONE, NULL};
 }
@@ -51,39 +53,25 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
     while (s < NUM_SHAPES && !(word && strcmp(shapes[s].name, word) == 0)) s++;
     if (s == NUM_SHAPES)
         return cml_mci_fail_option(line, "shape", word,
-                                   detector->table ? "disk R, ring R1 R2, rectangle W H or map NX NY DX DY"
-                                                   : "disk R, ring R1 R2, rectangle W H, map NX NY DX DY or "
-                                                     "table \"FILE\"");
+                                   detector->table
+                                       ? "disk R, ring R1 R2, rectangle W H, map NX NY DX DY or port NAME"
+                                       : "disk R, ring R1 R2, rectangle W H, map NX NY DX DY, port NAME or "
+                                         "table \"FILE\"");
     detector->shape = shapes[s].shape;
     detector->ring = s == 1;
     detector->nx = detector->ny = 1;
+    if (detector->shape == CML_DETECTOR_PORT) return cml_mci_take_port(line, &detector->port);
     CML_TRY(cml_mci_leading_numbers(line->reader, line->owner, CML_KEY_PARTS({shapes[s].keys, detector})));
     return detector->shape == CML_DETECTOR_RING ? check_radii(line, detector->size) : CML_OK;
 }
 
 /* ---- options ---- */
 
-/* Reads the option `name`. */
-static cml_status set_name(struct cml_mci_line *line)
-{
-    struct cml_detector_def *detector = line->context;
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    const char *name = line->value;
-    char expected[80];
-    const size_t size = strlen(name);
-    if (size == 0 || size > MOST_NAME || strspn(name, letters) < size)
-        return cml_mci_fail_value(line, line->key->noun);
-    const char *ending = cml_quantity_ending(name);
-    if (!ending) return cml_text_copy(name, &detector->name, line->reader->err);
-    snprintf(expected, sizeof expected, "a name that does not end in %s, as names of results do", ending);
-    return cml_mci_fail_value(line, expected);
-}
-
 static cml_status set_own(struct cml_mci_line *line)
 {
     static const char *const sides[] = {"top", "bottom"};
     struct cml_detector_def *detector = line->context;
-    if (strcmp(line->key->name, "name") == 0) return set_name(line);
+    if (strcmp(line->key->name, "name") == 0) return cml_mci_take_name(line, &detector->name);
     const int side = cml_mci_choose(line->value, sides, 2);
     detector->below = side == 1;
     return side >= 0 ? CML_OK : cml_mci_fail_value(line, line->key->noun);
@@ -119,6 +107,8 @@ static cml_status read_one(struct cml_mci_reader *reader, char *word, const stru
                                 .own = set_own,
                                 .context = detector};
     CML_TRY(read_shape(&line, word, detector));
+    const struct cml_key_part *of_port = CML_KEY_PARTS({CML_KEYS_AIM, detector}, {CML_KEYS_SIGHT, detector});
+    if (detector->port) line.parts = of_port;
     CML_TRY(cml_mci_options(&line));
     detector->at_z = cml_mci_saw(&line, "z") != NULL;
     detector->aimed = cml_mci_saw(&line, "na") != NULL;
@@ -176,7 +166,15 @@ static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene 
     snprintf(value, sizeof value, "%g %g", detector->size[0], detector->size[1]);
     if (detector->shape == CML_DETECTOR_RING && detector->size[0] >= detector->size[1])
         return fail_detector(reader, scene, k, "detector: r1 r2", value, "r1 < r2");
+    CML_TRY(cml_mci_find_port(reader, scene, detector->port, "detector", detector->line, &detector->contact));
+    if (detector->contact) {
+        const struct cml_contact_def *port = &scene->contacts[detector->contact - 1];
+        memcpy(detector->size, port->size, sizeof port->size);
+        detector->x = port->x;
+        detector->y = port->y;
+    }
     snprintf(number, sizeof number, "%d", k + 1);
+    if (detector->port && !detector->name) return cml_text_copy(detector->port, &detector->name, reader->err);
     return detector->name ? CML_OK : cml_text_copy(number, &detector->name, reader->err);
 }
 
@@ -228,4 +226,88 @@ cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml
                                  "at most 2^30 pixels in all detectors together");
     }
     return check_names(reader, scene);
+}
+
+/* ---- map, photons and fluence ---- */
+
+/* `top` has an effect only with `volume`; without it the line is refused, because its writer would not
+ * notice. */
+cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    struct cml_map_def *map = &scene->map;
+    struct cml_mci_line line = {.reader = reader,
+                                .owner = "map",
+                                .parts = CML_KEY_PARTS({CML_KEYS_MAP, map}, {CML_KEYS_VOLUME, map})};
+    CML_TRY(cml_mci_leading_numbers(reader, "map", line.parts));
+    CML_TRY(cml_mci_options(&line));
+    if (map->volume || !cml_mci_saw(&line, "top")) return CML_OK;
+    return cml_mci_fail_option(&line, "top", cml_mci_saw(&line, "top"), "volume beside it");
+}
+
+/* Refuses a fluence or gates with too many bins. Each of the 64 batches has bins of its own, those beyond the
+ * grid included, and the bins of all batches are counted in 32 bits (kernels/marks.h). The bins of radius and
+ * time have the same limit. */
+cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    const double bins = (scene->nr + 1.0) * (scene->nz + 2.0), most = 67108863;
+    const double gated = (double)scene->nr * scene->nz * scene->time.gates, most_gated = 1048576;
+    char value[64];
+    if (scene->fluence.times && scene->time.gates == 0)
+        return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence", "time",
+                              "a time line in the same run");
+    if (scene->fluence.times && gated > most_gated) {
+        snprintf(value, sizeof value, "%d %d %d", scene->nz, scene->nr, scene->time.gates);
+        return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence time: nz nr gates",
+                              value, "at most 1048576 bins of r, z and time, nz times nr times gates");
+    }
+    if (scene->time.radii && (scene->nr + 1.0) * (scene->time.gates + 1.0) > most) {
+        snprintf(value, sizeof value, "%d %d", scene->nr, scene->time.gates);
+        return cml_fail_field(reader->err, scene->file, scene->time.line, "time: nr gates", value,
+                              "at most 67108863 bins, (nr + 1) times (gates + 1)");
+    }
+    if (!scene->fluence.line || bins <= most) return CML_OK;
+    snprintf(value, sizeof value, "%d %d", scene->nz, scene->nr);
+    return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence: nz nr", value,
+                          "at most 67108863 bins, (nz + 2) times (nr + 1)");
+}
+
+/* Reads a `photons` line. The name must be one that an output may have, without a folder, because the file
+ * lies beside the result. */
+cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    struct cml_saved_def *saved = &scene->saved;
+    struct cml_mci_line line = {
+        .reader = reader, .owner = "photons", .parts = CML_KEY_PARTS({CML_KEYS_SAVED, saved})};
+    const char *name = cml_text_word(&reader->cursor);
+    const char *wrong = name ? cml_mci_why_no_name(name) : "a file name in a pair of quotes";
+    if (wrong) return cml_mci_fail_option(&line, "file", name, wrong);
+    if (strchr(name, '/'))
+        return cml_mci_fail_option(&line, "file", name, "a name without a folder: it lies beside the result");
+    CML_TRY(cml_text_copy(name, &saved->name, reader->err));
+    saved->limit = 1000000;
+    return cml_mci_options(&line);
+}
+
+cml_status cml_mci_check_photons(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    if (!scene->saved.detected || scene->num_detectors > 0) return CML_OK;
+    return cml_fail_field(reader->err, scene->file, scene->saved.line, "photons: detected", "no detector",
+                          "a detector line, too");
+}
+
+/* Counts cells in double, because the product may exceed 64 bits. A pixel has four: Rd and Tt, each with
+ * squares. */
+cml_status cml_mci_check_map(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    const struct cml_map_def *map = &scene->map;
+    const double pixels = (double)map->nx * map->ny, most = 2147483648.0;
+    const double layers = (map->volume ? scene->nz * (scene->fluence.line ? 1.0 + CML_NUM_GROUPS : 1.0) : 0) +
+                          (scene->facets ? CML_FACET_SCORES * (scene->num_layers + 1.0) : 0);
+    const double cells = pixels * (4.0 * (map->angles ? scene->na : 1) + layers);
+    if (cells <= most) return CML_OK;
+    char value[64], expected[120];
+    snprintf(value, sizeof value, "%d %d", map->nx, map->ny);
+    snprintf(expected, sizeof expected, "at most 2^31 cells in maps and volume together, not %.3g (%.3g GiB)",
+             cells, cells * 24 / 1073741824.0);
+    return cml_fail_field(reader->err, scene->file, map->line, "map: nx ny", value, expected);
 }

@@ -79,25 +79,28 @@ static bool is_marked(const char *text)
 }
 
 #define BEFORE_LAYER "a boundary line stands before the layer, or the n below, whose top it is"
+#define ON_TOP(name) "a " name " line stands between n above and the line of layer 1"
 #define OF_RUN(name) "a " name " line stands between a run's first line and its number of layers"
 
 const struct cml_mci_keyword cml_mci_keywords[CML_MCI_KEYWORDS] = {
     [CML_MCI_B] = {"b", BEFORE_LAYER, "0 \""},
     [CML_MCI_M] = {"m", BEFORE_LAYER, "\""},
     [CML_MCI_ROUGH] = {"rough", BEFORE_LAYER, "ggx beckmann"},
+    [CML_MCI_FACE] = {"face", ON_TOP("face"), "0 disk ring rectangle metal"},
+    [CML_MCI_PORT] = {"port", ON_TOP("port"), "disk ring rectangle"},
     [CML_MCI_I] = {"i", "an i line stands behind the line of the layer that it lies in",
                    "\" sphere cylinder"},
     [CML_MCI_PHASE] = {"phase", "a phase line stands behind the line of the layer or body whose it is",
                        "hg2 mhg gk rayleigh table"},
     [CML_MCI_BACKING] = {"backing",
                          "a backing line stands behind the last layer and its lines, before n below", "0"},
-    [CML_MCI_BEAM] = {"beam", OF_RUN("beam"), "pencil disk gaussian ring rectangle image"},
+    [CML_MCI_BEAM] = {"beam", OF_RUN("beam"), "pencil disk gaussian ring rectangle image port"},
     [CML_MCI_MAP] = {"map", OF_RUN("map"), "0"},
     [CML_MCI_FACETS] = {"facets", OF_RUN("facets"), "$"},
     [CML_MCI_TIME] = {"time", OF_RUN("time"), "0"},
     [CML_MCI_DIRECTIONS] = {"directions", OF_RUN("directions"), "0"},
     [CML_MCI_FLUENCE] = {"fluence", OF_RUN("fluence"), "$"},
-    [CML_MCI_DETECTOR] = {"detector", OF_RUN("detector"), "disk ring rectangle map"},
+    [CML_MCI_DETECTOR] = {"detector", OF_RUN("detector"), "disk ring rectangle map port"},
     [CML_MCI_PHOTONS] = {"photons", OF_RUN("photons"), "\""}};
 
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)

@@ -24,6 +24,8 @@ enum cml_mci_kind {
     CML_MCI_B,
     CML_MCI_M,
     CML_MCI_ROUGH,
+    CML_MCI_FACE,
+    CML_MCI_PORT,
     CML_MCI_I,
     CML_MCI_PHASE,
     CML_MCI_BACKING,

@@ -1,7 +1,11 @@
 /* Reader of the options of a keyword line, in any order. SPDX-License-Identifier: MIT */
 #include "input/mci_options.h"
 
+#include "result/quantity.h"
+
 #include <string.h>
+
+#define MOST_NAME 24
 
 cml_status cml_mci_fail_option(const struct cml_mci_line *line, const char *field, const char *value,
                                const char *expected)
@@ -131,4 +135,25 @@ int cml_mci_choose(const char *word, const char *const *names, int count)
     for (int i = 0; i < count; i++)
         if (strcmp(word, names[i]) == 0) return i;
     return -1;
+}
+
+cml_status cml_mci_take_name(const struct cml_mci_line *line, char **name)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    const char *word = line->value;
+    char expected[80];
+    const size_t size = strlen(word);
+    if (size == 0 || size > MOST_NAME || strspn(word, letters) < size)
+        return cml_mci_fail_value(line, line->key->noun);
+    const char *ending = cml_quantity_ending(word);
+    if (!ending) return cml_text_copy(word, name, line->reader->err);
+    snprintf(expected, sizeof expected, "a name that does not end in %s, as names of results do", ending);
+    return cml_mci_fail_value(line, expected);
+}
+
+cml_status cml_mci_take_port(const struct cml_mci_line *line, char **name)
+{
+    const char *word = cml_text_word(&line->reader->cursor);
+    if (!word || strchr(word, '=')) return cml_mci_fail_option(line, "port", word, "the name of a port line");
+    return cml_text_copy(word, name, line->reader->err);
 }

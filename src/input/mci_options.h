@@ -39,5 +39,13 @@ CML_NODISCARD cml_status cml_mci_fail_value(const struct cml_mci_line *line, con
 /* Reads exactly `count` numbers up to +-CML_MCI_HUGE, separated by commas only: "1,2,3". */
 bool cml_mci_parse_list(const char *text, int count, double *values);
 
+/* Reads the value of the option `name` of a detector or a port: *name, which the caller frees. CML_E_INPUT.
+ */
+CML_NODISCARD cml_status cml_mci_take_name(const struct cml_mci_line *line, char **name);
+
+/* Reads the next word of a line `beam port NAME` or `detector port NAME`: *name, which the caller frees.
+ * CML_E_INPUT. */
+CML_NODISCARD cml_status cml_mci_take_port(const struct cml_mci_line *line, char **name);
+
 /* Returns the index of `word` in names[count], or -1. */
 int cml_mci_choose(const char *word, const char *const *names, int count);

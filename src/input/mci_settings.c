@@ -2,6 +2,7 @@
 #include "input/mci_settings.h"
 
 #include "input/mci_beam.h"
+#include "input/mci_contact.h"
 #include "input/mci_detector.h"
 #include "input/mci_medium.h"
 
@@ -69,9 +70,9 @@ static bool split(const char *text, struct name *name)
 
 /* ---- owners: the words before the dot ---- */
 
-enum owner { ABOVE, BELOW, LAYER, BODY, BOUNDARY, BACKING, BEAM, DETECTOR, NUM_OWNERS };
-static const char *const owner_words[NUM_OWNERS] = {"above",    "below",   "layer", "body",
-                                                    "boundary", "backing", "beam",  "detector"};
+enum owner { ABOVE, BELOW, LAYER, BODY, BOUNDARY, BACKING, BEAM, DETECTOR, FACE, PORT, NUM_OWNERS };
+static const char *const owner_words[NUM_OWNERS] = {"above",   "below", "layer",    "body", "boundary",
+                                                    "backing", "beam",  "detector", "face", "port"};
 
 /* Returns how many owners of a kind the scene has. */
 static int count_of(const struct cml_scene *scene, enum owner owner)
@@ -83,7 +84,9 @@ static int count_of(const struct cml_scene *scene, enum owner owner)
                                     scene->num_layers + 1,
                                     1,
                                     scene->num_beams,
-                                    scene->num_detectors};
+                                    scene->num_detectors,
+                                    cml_mci_contacts_of(scene, false),
+                                    cml_mci_contacts_of(scene, true)};
     return counts[owner];
 }
 
@@ -106,6 +109,7 @@ static void parts_of(struct cml_scene *scene, enum owner owner, int i, struct cm
 {
     if (owner == BEAM) cml_mci_beam_parts(scene, i, false, part);
     if (owner == DETECTOR) cml_mci_detector_parts(&scene->detectors[i], part);
+    if (owner == FACE || owner == PORT) cml_mci_contact_parts(scene, owner == PORT, i, part);
     if (owner >= BEAM) return;
     struct cml_medium_def *media = scene->media,
                           *medium = &media[owner == BODY ? cml_body_medium(scene, i) : i + 1];

@@ -150,9 +150,10 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     fprintf(stream, "  with planes in place of all shapes, by adding-doubling:");
-    for (int i = 0; i < cml_num_totals(scene->backing.kind != CML_BACKING_NONE); i++)
-        fprintf(stream, is_small(exact->value[i]) ? " %s %.4e" : " %s %.7f",
-                cml_quantities[cml_quantity_of_total(i)].name, exact->value[i]);
+    for (int i = 0; i < CML_NUM_TOTALS; i++)
+        if (cml_has_total(i, scene->backing.kind != CML_BACKING_NONE, false))
+            fprintf(stream, is_small(exact->value[i]) ? " %s %.4e" : " %s %.7f",
+                    cml_quantities[cml_quantity_of_total(i)].name, exact->value[i]);
     fprintf(stream, ", errors <= %.1g\n", cml_exact_worst(exact));
 }
 
@@ -269,8 +270,9 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;
     const double seconds = report->timing->seconds, steps = cml_result_steps(result);
-    const int totals = cml_num_totals(report->scene->backing.kind != CML_BACKING_NONE);
-    for (int i = 0; i < totals; i++) print_total(stream, report, (enum cml_total)i);
+    const struct cml_outcome *o = &report->outcome;
+    for (int i = 0; i < CML_NUM_TOTALS; i++)
+        if (cml_has_total(i, o->backed, o->faced)) print_total(stream, report, (enum cml_total)i);
     print_trapped(stream, result);
     print_absorbed(stream, report);
     print_detected(stream, report);

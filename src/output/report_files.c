@@ -29,7 +29,7 @@ static bool outgrows_mco(const struct cml_scene *scene, const struct cml_report_
         if (scene->boundaries[b].form != CML_FORM_PLANE) return true;
     return asks->scores || scene->map.nx > 0 || scene->facets || scene->time.gates > 0 ||
            scene->directions.nt > 0 || scene->fluence.line || scene->num_detectors > 0 ||
-           scene->num_bodies > 0 || scene->backing.kind != CML_BACKING_NONE;
+           scene->num_bodies > 0 || scene->backing.kind != CML_BACKING_NONE || scene->num_contacts > 0;
 }
 
 /* True if the run leaves an .h5 file. */

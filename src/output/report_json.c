@@ -146,8 +146,9 @@ static void set_exact(json_t *object, const struct cml_scene *scene, const struc
 static void set_exact_totals(json_t *object, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     const double none = NAN, worst = exact ? cml_exact_worst(exact) : NAN;
-    for (int i = 0; i < cml_json_totals(scene); i++)
-        set_quantity(object, cml_quantity_of_total(i), "_exact", exact ? &exact->value[i] : &none);
+    for (int i = 0; i < CML_NUM_TOTALS; i++)
+        if (cml_json_has_exact(scene, i))
+            set_quantity(object, cml_quantity_of_total(i), "_exact", exact ? &exact->value[i] : &none);
     cml_json_set_real(object, "exact_error", worst);
 }
 

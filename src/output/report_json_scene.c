@@ -205,8 +205,9 @@ static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *
 {
     if (!flat) return json_null();
     json_t *object = json_object();
-    for (int i = 0; i < cml_json_totals(scene); i++)
-        cml_json_set_real(object, cml_quantities[cml_quantity_of_total(i)].name, flat->value[i]);
+    for (int i = 0; i < CML_NUM_TOTALS; i++)
+        if (cml_json_has_exact(scene, i))
+            cml_json_set_real(object, cml_quantities[cml_quantity_of_total(i)].name, flat->value[i]);
     cml_json_set_real(object, "error", cml_exact_worst(flat));
     return object;
 }

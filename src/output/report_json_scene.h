@@ -49,8 +49,8 @@ static inline void cml_json_set_integer(json_t *object, const char *key, uint64_
     json_object_set_new(object, key, json_integer((json_int_t)value));
 }
 
-/* Returns the number of totals of a scene; a backing adds one. */
-static inline int cml_json_totals(const struct cml_scene *scene)
+/* True if adding-doubling knows a total of a scene: it treats no faces and ports. */
+static inline bool cml_json_has_exact(const struct cml_scene *scene, int total)
 {
-    return cml_num_totals(scene->backing.kind != CML_BACKING_NONE);
+    return cml_has_total(total, scene->backing.kind != CML_BACKING_NONE, false);
 }

@@ -29,6 +29,7 @@ static cml_status fill_input(const struct cml_report *report, struct cml_outcome
     o->num_layers = scene->num_layers;
     o->num_bodies = scene->num_bodies;
     o->backed = scene->backing.kind != CML_BACKING_NONE;
+    o->faced = scene->num_contacts > 0;
     o->n_above = scene->media[0].n;
     o->n_below = scene->media[scene->num_layers + 1].n;
     CML_TRY(cml_outcome_allocate(o, err));

@@ -266,7 +266,8 @@ static double number_of(const struct cml_outcome *o, const struct cml_result *su
 static bool is_tallied(const struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
-    if (info->estimator <= CML_FROM_LOST) return quantity != CML_QUANTITY_A_backing || o->backed;
+    if (info->estimator == CML_FROM_TOTAL) return cml_has_total((int)info->sums, o->backed, o->faced);
+    if (info->estimator <= CML_FROM_LOST) return true;
     if (info->estimator == CML_FROM_EXPECTED)
         return sums->grid.scores >= (info->axis[0] == CML_AXIS_layer ? 2 : 1);
     return sums->array[info->sums] != NULL;

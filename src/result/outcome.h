@@ -22,6 +22,7 @@ struct cml_outcome {
     char *detector_names; /* all detector names, separated by blanks; NULL: none */
     int num_layers, num_bodies;
     bool backed; /* the scene has a backing: A_backing is among the totals */
+    bool faced;  /* the scene has faces or ports: A_face is among the totals */
     double n_above, n_below;
     /* [cml_outcome_size] values as written, i.e. scaled; NULL: not known */
     double *value[CML_NUM_QUANTITIES];

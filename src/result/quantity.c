@@ -31,7 +31,7 @@ enum { H5 = CML_IN_H5, JSON = CML_IN_JSON };
     {#name, units, long_name, CML_FROM_##estimator, CML_ARRAY_##name, axes, where},
 const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES] = {CML_QUANTITIES(ROW, ROW_OF_ARRAY)};
 
-_Static_assert((int)CML_TOTALS == (int)CML_TOTAL_BACKING && CML_TOTALS + 1 == (int)CML_NUM_TOTALS,
+_Static_assert((int)CML_TOTALS == (int)CML_TOTAL_BACKING && CML_TOTALS + 2 == (int)CML_NUM_TOTALS,
                "a row for every total");
 _Static_assert((int)CML_QUANTITY_Tt == (int)CML_TOTAL_TRANSMITTED, "totals first, in their order");
 _Static_assert((int)CML_BOOKS == (int)CML_BALANCE_BACKING, "a row for every term of every run");
@@ -90,5 +90,6 @@ void cml_quantity_name_errors(struct cml_field *errors, struct cml_field *of)
 
 enum cml_quantity cml_quantity_of_total(int total)
 {
-    return total < CML_TOTALS ? (enum cml_quantity)total : CML_QUANTITY_A_backing;
+    if (total < CML_TOTALS) return (enum cml_quantity)total;
+    return total == (int)CML_TOTAL_BACKING ? CML_QUANTITY_A_backing : CML_QUANTITY_A_face;
 }

@@ -68,6 +68,7 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(dTt_d##x, "cm", by, CML_QUANTITY_Tt, OVER1(inside), H5 | JSON, "derivative of Tt by " #x) \
     Q(dA_backing_d##x, "cm", by, CML_QUANTITY_A_backing, OVER1(inside), H5 | JSON, \
       "derivative of A_backing by " #x) \
+    Q(dA_face_d##x, "cm", by, CML_QUANTITY_A_face, OVER1(inside), H5 | JSON, "derivative of A_face by " #x) \
     Q(dA_l_d##x, "cm", by, CML_QUANTITY_A_l, OVER2(layer, inside), H5, "derivative of A_l by " #x) \
     Q(dA_body_d##x, "cm", by, CML_QUANTITY_A_body, OVER2(body, inside), H5, "derivative of A_body by " #x) \
     Q(dRd_r_d##x, "1/cm", by, CML_QUANTITY_Rd_r, OVER2(r, inside), H5, "derivative of Rd_r by " #x) \
@@ -123,6 +124,7 @@ enum { CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(A_body_t, "1/ps", BODIES, CML_ARRAY_A_lt, OVER2(body, gate), H5, "absorption by body and time") \
     Q(A_body_t_later, "1", BODIES, CML_ARRAY_A_lt_later, OVER1(body), H5, "absorption by body later than all gates") \
     Q(A_backing, "1", TOTAL, CML_TOTAL_BACKING, NUMBER, H5 | JSON, "kept by the backing") \
+    Q(A_face, "1", TOTAL, CML_TOTAL_FACE, NUMBER, H5 | JSON, "kept by faces, or stopped on boundary 0") \
     Q(Tt_expected, "1", EXPECTED, 0, NUMBER, H5 | JSON, "transmittance, by what flat layers let through") \
     Q(A_l_expected, "1", EXPECTED, 0, OVER1(layer), H5 | JSON, \
       "absorption by layer, by what flat layers absorb; above them as counted") \
@@ -188,13 +190,14 @@ static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
  * has none. */
 const char *cml_quantity_ending(const char *name);
 
-/* Returns the quantity of a total of enum cml_total. The last total is the light that a backing keeps. */
+/* Returns the quantity of a total of enum cml_total. */
 enum cml_quantity cml_quantity_of_total(int total);
 
-/* Returns the number of totals of a scene. */
-static inline int cml_num_totals(bool backed)
+/* True if a scene has a total of enum cml_total. backed: the scene has a backing; faced: it has faces or
+ * ports. */
+static inline bool cml_has_total(int total, bool backed, bool faced)
 {
-    return backed ? CML_TOTALS + 1 : CML_TOTALS;
+    return total < CML_TOTALS || (total == (int)CML_TOTAL_BACKING ? backed : faced);
 }
 
 /* Sets the name, long name and units of a field. */

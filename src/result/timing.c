@@ -54,7 +54,7 @@ bool cml_record_is_sound(const struct cml_record *record)
     const int64_t *n = record->count, fluxes = n[CML_RECORDED_FLUXES];
     for (int k = 0; k < CML_NUM_RECORDED; k++)
         if (n[k] < 0 || n[k] > CML_RECORD_NUMBERS) return false;
-    return n[CML_RECORDED_TOTALS] <= CML_NUM_TOTALS &&
+    return n[CML_RECORDED_TOTALS] < CML_NUM_TOTALS && n[CML_RECORDED_FACE] <= 1 &&
            n[CML_RECORDED_LAYERS] + n[CML_RECORDED_BODIES] <= CML_RECORD_MEDIA &&
            n[CML_RECORDED_EXPECTED] <= 1 + n[CML_RECORDED_LAYERS] &&
            n[CML_RECORDED_DETECTORS] <= CML_RECORD_MEDIA &&

@@ -35,6 +35,7 @@ double cml_timing_communication(const struct cml_timing *timing);
  * CML_RECORD_MEDIA, none of them are recorded. */
 enum cml_recorded {
     CML_RECORDED_TOTALS, /* totals; like all kinds except fluxes, shares of the launched weight */
+    CML_RECORDED_FACE,   /* A_face, or nothing without faces and ports */
     CML_RECORDED_LAYERS, /* absorption of layers */
     CML_RECORDED_BODIES,
     CML_RECORDED_EXPECTED,  /* 0, 1 or 1 + layers numbers: Tt, then layers, as counted if not expected */

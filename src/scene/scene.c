@@ -60,6 +60,7 @@ static void clear_beam(struct cml_beam *beam)
     free(beam->light.t);
     free(beam->light.intensity);
     free(beam->pixel);
+    free(beam->port);
 }
 
 /* Frees all that a scene owns, and zeroes the scene. */
@@ -72,8 +73,11 @@ void cml_scene_clear(struct cml_scene *scene)
     for (int k = 0; scene->beams && k < scene->num_beams; k++) clear_beam(&scene->beams[k]);
     for (int k = 0; scene->detectors && k < scene->num_detectors; k++) {
         free(scene->detectors[k].name);
+        free(scene->detectors[k].port);
         free(scene->detectors[k].table);
     }
+    for (int k = 0; scene->contacts && k < scene->num_contacts; k++) free(scene->contacts[k].name);
+    free(scene->contacts);
     free(scene->detectors);
     free(scene->beams);
     free(scene->shares);
@@ -122,8 +126,11 @@ static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool 
     to->settings = copied_text(from->settings, failed);
     for (int k = 0; to->detectors && k < to->num_detectors; k++) {
         to->detectors[k].name = copied_text(from->detectors[k].name, failed);
+        to->detectors[k].port = copied_text(from->detectors[k].port, failed);
         to->detectors[k].table = copied_text(from->detectors[k].table, failed);
     }
+    for (int k = 0; to->contacts && k < to->num_contacts; k++)
+        to->contacts[k].name = copied_text(from->contacts[k].name, failed);
 }
 
 /* Copies a scene. Shapes, bodies and tables are shared, not copied. */
@@ -143,6 +150,7 @@ cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, st
     to->shares = cml_array_copy(from->shares, beams, sizeof *to->shares, &failed);
     to->detectors =
         cml_array_copy(from->detectors, (size_t)from->num_detectors, sizeof *to->detectors, &failed);
+    to->contacts = cml_array_copy(from->contacts, (size_t)from->num_contacts, sizeof *to->contacts, &failed);
     for (size_t b = 0; to->boundaries && b <= layers; b++) cml_share(to->boundaries[b].users);
     for (size_t k = 0; to->beams && k < beams; k++) cml_share(to->beams[k].users);
     copy_texts(from, to, &failed);

@@ -100,12 +100,30 @@ struct cml_boundary {
 
 enum cml_body_form { CML_BODY_MESH, CML_BODY_SPHERE, CML_BODY_CYLINDER };
 
-/* The backing: a reflector under the last boundary that sends light back. The medium below is then opaque. */
+/* An opaque surface that sends light back: the backing under the last boundary, or a face on boundary 0. */
 struct cml_backing_def {
     enum cml_backing_kind kind;
     double R;    /* mirror, lambertian: share of the light that comes back, 0..1 */
     double n, k; /* metal: refractive index n + i k relative to vacuum */
     int line;    /* line number in the .mci */
+};
+
+/* The largest number of faces and ports. */
+#define CML_MOST_CONTACTS 1000
+
+/* A face or a port: what touches boundary 0 from above. A face is opaque; a port is a medium that fills all
+ * above its place. A later one lies on top. */
+struct cml_contact_def {
+    bool port;
+    bool whole;                    /* a face that covers the whole plane and has no shape */
+    enum cml_detector_shape shape; /* CML_DETECTOR_RING or CML_DETECTOR_RECTANGLE */
+    bool ring;                     /* the line has two radii, of which the first may be 0 */
+    double size[2];                /* both radii of a ring (a disk: the first is 0), or both sides; cm */
+    double x, y;                   /* middle, cm */
+    double n;                      /* port: refractive index of its medium */
+    struct cml_backing_def face;   /* face: its surface */
+    char *name;                    /* port: its name; NULL: face */
+    int line;                      /* line number in the .mci */
 };
 
 /* A body: a medium of its own inside a layer, or inside another body of that layer. Scene coordinates, cm, z
@@ -158,7 +176,9 @@ struct cml_beam {
     struct cml_light light;
     int columns, rows; /* size of an image in pixels */
     double *pixel;     /* [rows][columns] brightness >= 0, not all 0; the first row has the largest own y */
-    int *users;        /* reference count of beams that share pixels and the table of their light */
+    char *port;        /* name of the port that the light comes from; NULL: none */
+    int contact;       /* number of this port among the faces and ports, from 1; 0: none */
+    int *users;        /* reference count of beams that share pixels, the table of their light and `port` */
     bool of_tile;      /* rectangle of the size of one period of the tiles, as seen from above */
     bool radial;       /* results count the radius r from the beam's x, y; else from the z axis */
     bool given;        /* a `beam` line stands in the file */
@@ -223,6 +243,8 @@ struct cml_detector_def {
     double azimuth; /* azimuth of the axis, rad */
     bool diffuse;   /* light that never entered the material is ignored */
     int line;       /* line number in the .mci */
+    char *port;     /* CML_DETECTOR_PORT: name of the port */
+    int contact;    /* CML_DETECTOR_PORT: its number among the faces and ports, from 1 */
     char *table;    /* table file whose line `row` describes the detector; NULL: the .mci does */
     int row;
 };
@@ -254,9 +276,11 @@ struct cml_scene {
     struct cml_scene_body *bodies;   /* [num_bodies] sorted by layer */
     int *body_users;                 /* reference count of scenes that share the bodies */
     struct cml_backing_def backing;
-    int num_beams;          /* number of beams, >= 1 */
-    struct cml_beam *beams; /* [num_beams] beams */
-    double *shares;         /* [num_beams] share of the light of each beam, > 0 */
+    int num_contacts;
+    struct cml_contact_def *contacts; /* [num_contacts] faces and ports, in the order of the lines */
+    int num_beams;                    /* number of beams, >= 1 */
+    struct cml_beam *beams;           /* [num_beams] beams */
+    double *shares;                   /* [num_beams] share of the light of each beam, > 0 */
     struct cml_map_def map;
     struct cml_time_def time;
     struct cml_directions_def directions;

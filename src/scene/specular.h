@@ -13,5 +13,7 @@ struct cml_specular {
 };
 
 /* Computes the specular shares of the incident light [MCML manual, equations 3.2a to 3.4]. media: [num_layers
- * + 2]. Boundary 0 must be a plane. planes: true if boundary 1 is a plane, too. */
-struct cml_specular cml_specular_split(const struct cml_medium_def *media, int num_layers, bool planes);
+ * + 2]. n: index of the medium from which the light comes. Boundary 0 must be a plane. planes: true if
+ * boundary 1 is a plane, too. */
+struct cml_specular cml_specular_split(const struct cml_medium_def *media, double n, int num_layers,
+                                       bool planes);

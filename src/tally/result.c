@@ -244,15 +244,19 @@ static double difference(cml_u128 a, cml_u128 b)
 }
 
 /* Returns the imbalance of all facets, both sides together: light that arrives minus light that leaves or
- * that a backing keeps. */
+ * that a backing or face keeps. Light from above that a face stops arrives at no facet, so faces may have
+ * kept more than arrived. */
 static double facet_imbalance(const struct cml_result *result)
 {
-    cml_u128 in = 0, out = result->grid.backed ? result->summary.balance[CML_BALANCE_BACKING] : 0;
+    const cml_u128 *balance = result->summary.balance,
+                   faced = result->grid.faced ? balance[CML_BALANCE_FACE] : 0;
+    cml_u128 in = 0, out = result->grid.backed ? balance[CML_BALANCE_BACKING] : 0;
     for (size_t i = 0; i < cml_layout_cells(&result->layout, CML_ARRAY_facets); i += CML_FACET_SCORES) {
         const cml_u128 *score = result->facets + i;
         in += score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW];
         out += score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW];
     }
+    if (in > out) out += in - out < faced ? in - out : faced;
     return difference(in, out);
 }
 
@@ -281,7 +285,7 @@ double cml_result_imbalance(const struct cml_result *result)
 {
     const cml_u128 *balance = result->summary.balance;
     const cml_u128 in = balance[CML_BALANCE_LAUNCHED] + balance[CML_BALANCE_GAINED];
-    cml_u128 out = balance[CML_BALANCE_BACKING];
+    cml_u128 out = balance[CML_BALANCE_BACKING] + balance[CML_BALANCE_FACE];
     for (int i = CML_BALANCE_SPECULAR; i <= CML_BALANCE_LOST; i++) out += balance[i];
     double found = difference(in, out);
     for (int i = 0; i < CML_NUM_ARRAYS && found == 0; i++) found = array_imbalance(result, (enum cml_array)i);

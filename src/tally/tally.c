@@ -7,12 +7,10 @@
 
 enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
 {
-    static const enum cml_balance_term terms[CML_NUM_TOTALS] = {[CML_TOTAL_SPECULAR] = CML_BALANCE_SPECULAR,
-                                                                [CML_TOTAL_REFLECTED] = CML_BALANCE_REFLECTED,
-                                                                [CML_TOTAL_TRANSMITTED] =
-                                                                    CML_BALANCE_TRANSMITTED,
-                                                                [CML_TOTAL_ABSORBED] = CML_BALANCE_ABSORBED,
-                                                                [CML_TOTAL_BACKING] = CML_BALANCE_BACKING};
+    static const enum cml_balance_term terms[CML_NUM_TOTALS] = {
+        [CML_TOTAL_SPECULAR] = CML_BALANCE_SPECULAR,       [CML_TOTAL_REFLECTED] = CML_BALANCE_REFLECTED,
+        [CML_TOTAL_TRANSMITTED] = CML_BALANCE_TRANSMITTED, [CML_TOTAL_ABSORBED] = CML_BALANCE_ABSORBED,
+        [CML_TOTAL_BACKING] = CML_BALANCE_BACKING,         [CML_TOTAL_FACE] = CML_BALANCE_FACE};
     return terms[total];
 }
 

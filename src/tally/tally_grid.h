@@ -51,6 +51,7 @@ struct cml_tally_grid {
     bool row_means;   /* rows have means of detectors */
     size_t row_cells; /* number of cells of all rows together (row_cells.h) */
     bool backed;      /* some facets lie on a backing, which keeps the light that does not leave them */
+    bool faced;       /* some facets lie below faces */
     int scores;       /* number of expected values below the last shape (rule P15); 0: none */
     /* [scores] exponents; a tally counts score i in units of 2^-31 2^6 2^-exponent[i] of a packet;
      * borrowed */

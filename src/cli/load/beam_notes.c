@@ -167,14 +167,46 @@ static void note_lost(const struct cml_scene *scene, const struct cml_surface_se
               k + 1, above ? "above" : "below", above ? "up" : "down");
 }
 
+/* Notes beams that faces and ports stop in part. */
+static void note_stopped(const struct cml_scene *scene, const double *stopped)
+{
+    for (int k = 0; k < scene->num_beams; k++)
+        if (stopped[k] > 0)
+            note_line(
+                scene, scene->beams[k].line,
+                "faces and ports stop %.3g %% of beam %d, and count it in A_face (for light of a fibre: "
+                "beam port NAME)",
+                100 * stopped[k], k + 1);
+}
+
+/* Notes light that faces stop from above, and a lambertian face over a clear layer that traps light: the face
+ * sends it into directions that both planes reflect totally. */
+static void note_faces(const struct cml_scene *scene, const double *stopped)
+{
+    const struct cml_medium_def *own = &scene->media[1];
+    note_stopped(scene, stopped);
+    if (cml_medium_mut(own) > 0 || cml_layer_has_bodies(scene, 1) || own->n <= own[-1].n ||
+        own->n <= own[1].n || cml_is_rough(&scene->boundaries[1].rough) ||
+        (scene->num_layers == 1 && scene->backing.kind != CML_BACKING_NONE))
+        return;
+    for (int k = 0; k < scene->num_contacts; k++)
+        if (scene->contacts[k].face.kind == CML_BACKING_LAMBERTIAN) {
+            note_line(
+                scene, scene->contacts[k].line,
+                "a lambertian face over layer 1, which is clear and has a larger n than what is above and "
+                "below: what planes reflect totally there is trapped, and counted as such");
+            return;
+        }
+}
+
 cml_status cml_check_starts(const struct cml_scene *scene, const struct cml_surface_options *options,
                             struct cml_error *err)
 {
     CML_AT_END(cml_surfaces_free) struct cml_surface_set surfaces = {0};
     CML_FREED int *medium = NULL;
-    if (!cml_scene_starts_inside(scene)) return CML_OK;
+    if (!cml_scene_starts_inside(scene) && scene->num_contacts == 0) return CML_OK;
     CML_TRY(cml_surfaces_create(scene, options, &surfaces, err));
-    return cml_source_media(scene, &surfaces, &medium, err);
+    return cml_source_media(scene, &surfaces, &medium, NULL, err);
 }
 
 cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int **starts,
@@ -185,7 +217,10 @@ cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface
         if (scene->boundaries[b].form == CML_FORM_MESH) CML_TRY(note_reach(scene, b, err));
     note_pencil(scene, surfaces);
     note_rectangles(scene);
-    CML_TRY(cml_source_media(scene, surfaces, &medium, err));
+    CML_FREED double *stopped = calloc((size_t)scene->num_beams, sizeof *stopped);
+    if (!stopped) return cml_fail_memory(err, scene->num_beams * 8.0, "the beams");
+    CML_TRY(cml_source_media(scene, surfaces, &medium, stopped, err));
+    note_faces(scene, stopped);
     for (int k = 0; k < scene->num_beams; k++) {
         if (!scene->beams[k].inside) continue;
         note_trapped(scene, k, medium[k]);

@@ -95,10 +95,12 @@ void cml_sweep_print_row(const struct cml_sweep_run *sweep, int row, const struc
     for (int c = 0; c < table->num_columns; c++)
         printf(" %s=%s", table->name[c], table->cell[(size_t)row * (size_t)table->num_columns + (size_t)c]);
     const char *before = "  ";
-    for (int t = 0; t < cml_num_totals(sweep->base->scenes[0].backing.kind != CML_BACKING_NONE); t++) {
-        if (t == CML_TOTAL_SPECULAR && !(record->value[t] > 0)) continue;
+    for (int t = 0; t < CML_NUM_TOTALS; t++) {
+        const int at = t == CML_TOTAL_FACE ? cml_record_find(record, CML_RECORDED_FACE, 0)
+                                           : cml_record_find(record, CML_RECORDED_TOTALS, t);
+        if (at < 0 || (t == CML_TOTAL_SPECULAR && !(record->value[at] > 0))) continue;
         printf("%s%s", before, cml_quantities[cml_quantity_of_total(t)].name);
-        cml_report_estimate(stdout, record->value[t], record->error[t]);
+        cml_report_estimate(stdout, record->value[at], record->error[at]);
         before = ", ";
     }
     putchar('\n');

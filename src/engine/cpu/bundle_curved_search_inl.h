@@ -20,9 +20,9 @@ static int cml_is_common_case(const struct cml_flight *f, int i, int boundary)
     const int medium = b->medium[i];
     return medium > 0 && medium <= f->world->setup.num_layers &&
            f->world->surfaces[boundary].kind != CML_SURFACE_PLANE &&
-           !f->world->surfaces[boundary].rough.kind && !f->to.facets &&
-           boundary != f->world->setup.backing.boundary && b->boundary_events[i] > 0 &&
-           b->bounces[i] < CML_TRAPPED_LIMIT && b->s[i] < CML_INFINITY && cml_dot(u, u) < 2;
+           !f->world->surfaces[boundary].rough.kind && !f->to.facets && !cml_is_touched(f->world, boundary) &&
+           b->boundary_events[i] > 0 && b->bounces[i] < CML_TRAPPED_LIMIT && b->s[i] < CML_INFINITY &&
+           cml_dot(u, u) < 2;
 }
 
 /* Returns the primitive of a boundary that the lane's packet stands on, or CML_NEAR_FACETS; -1: none. */

@@ -57,7 +57,7 @@ struct cml_flight {
     struct cml_world aware;
     real reflectance; /* reflectance of the first boundary */
     struct cml_ballistic ballistic;
-    int curves;                   /* 1: some boundaries are curved, or have a backing */
+    int curves;                   /* 1: some boundaries are curved, or touched (kernels/contact.h) */
     real steepest;                /* greatest slope of the curved boundaries */
     int rough_planes;             /* 1: some planes are rough */
     int safe_cells;               /* 1: some boundaries have safe distances */

@@ -73,7 +73,10 @@ static void cml_return_to_lane(struct cml_flight *f, int i, struct cml_packet *p
 {
     cml_tally_events(packet, f->tally);
     f->b->path[i] = packet->path;
-    if (f->late & CML_LANE_BIT(i)) f->late_profiles[i][CML_TOTAL_BACKING] += packet->backing;
+    if (f->late & CML_LANE_BIT(i)) {
+        f->late_profiles[i][CML_TOTAL_BACKING] += packet->backing;
+        f->late_profiles[i][CML_TOTAL_FACE] += packet->face;
+    }
     if (packet->fate != CML_FATE_ALIVE) {
         cml_end_visit(f->world, packet);
         cml_push_termination(f, i, cml_termination_of(packet));

@@ -113,12 +113,13 @@ __attribute__((noinline, cold)) static void cml_book_rare(struct cml_flight *f, 
     cml_add_to_gate(&late, f->world->setup.gates, f->b->medium[i], gate, deposited);
 }
 
-/* Books the weight that the backing takes in the lane's rows: the packet, whose deposits have been booked,
- * keeps w. */
-__attribute__((noinline, cold)) static void cml_keep_lane_rows(const struct cml_flight *f, int i, cml_u32 w)
+/* Books the weight that the backing, or a face, takes in the lane's rows: the packet, whose deposits have
+ * been booked, keeps w. */
+__attribute__((noinline, cold)) static void cml_keep_lane_rows(const struct cml_flight *f, int i, cml_u32 w,
+                                                               int face)
 {
     const struct cml_row_packet rows = cml_lane_rows(f, i);
-    cml_rows_backing(&rows, f->b->w[i], w);
+    cml_rows_keep(&rows, f->b->w[i], w, face);
 }
 
 /* Books the deposits of the lane's packet since the last booking: into the sum of its layer, its gate (P11)
@@ -208,7 +209,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->fate = CML_FATE_ALIVE;
     packet->cause = CML_LOST_NOT;
     packet->queries = packet->shading_overruled = 0;
-    packet->absorbed = packet->gained = packet->roulette = packet->backing = 0;
+    packet->absorbed = packet->gained = packet->roulette = packet->backing = packet->face = 0;
 }
 
 /* Stores the position (cm, frame of the medium) and direction of a lane's packet. */
@@ -272,9 +273,9 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     b->off_z[i] = packet->off.z;
     b->undeflected[i] = packet->undeflected;
     b->entered[i] = packet->entered;
-    if (packet->backing) {
+    if (packet->backing | packet->face) {
         cml_flush_deposits(f, i);
-        if (f->factors) cml_keep_lane_rows(f, i, packet->w);
+        if (f->factors) cml_keep_lane_rows(f, i, packet->w, packet->face > 0);
         b->w[i] = b->flushed_w[i] = packet->w;
     }
     if (packet->medium == b->medium[i] && !cml_lane_rows_have_returned(f, i)) return;
@@ -331,7 +332,7 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     struct cml_row_packet rows;
     if (f->factors) {
         rows = cml_lane_rows(f, i);
-        cml_rows_backing(&rows, f->b->w[i], end.w);
+        cml_rows_keep(&rows, f->b->w[i], end.w, end.face);
     }
     end.absorbed = f->absorbed[i];
     const int at = f->terminated.count;

@@ -153,8 +153,7 @@ static void cml_launch_path(struct cml_flight *f, int i, real path)
 static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_packet *start)
 {
     struct cml_bundle *b = f->b;
-    if (f->world->setup.num_sources > 1)
-        cml_add_specular(&f->to, start->index, cml_split_off(f->world, start->index));
+    if (f->world->setup.apart) cml_add_specular(&f->to, start->index, CML_WEIGHT_ONE - start->w);
     /* Takes back the launch with the weight of the other lanes. */
     if (f->factors) cml_launch_lane_rows(f, i, -1, 0);
     b->w[i] = b->flushed_w[i] = start->w;

@@ -13,7 +13,8 @@
 static int cml_queue_can_place(const struct cml_setup *setup, const struct cml_source *source)
 {
     const int alike = source->shape == CML_BEAM_PENCIL && source->light == CML_LIGHT_PARALLEL;
-    return setup->num_sources == 1 && !alike && !source->inside && source->shape != CML_BEAM_IMAGE &&
+    const int inclined = source->port && source->axis.z < 1;
+    return !setup->apart && !alike && !inclined && !source->inside && source->shape != CML_BEAM_IMAGE &&
            source->light != CML_LIGHT_TABLE;
 }
 

@@ -4,17 +4,16 @@
 #include "surface/mesh/mesh_surface.h"
 
 /* A plane needs no start depth: only a path that ends beyond a plane meets it (cml_find_lane_candidates). A
- * plane with a backing counts as curved, because lanes go by kernels/walk.h there. A medium without a
- * boundary on one side, an outer one or a body's, has infinite depths and its own index there. */
+ * plane with a backing, faces or ports counts as curved, because lanes go by kernels/walk.h there. A medium
+ * without a boundary on one side, an outer one or a body's, has infinite depths and its own index there. */
 struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
 {
     const struct cml_medium *medium = &world->media[m];
     const int layers = world->setup.num_layers, in_body = m > layers + 1;
     const struct cml_surface *top = m > 0 && !in_body ? &world->surfaces[m - 1] : NULL;
     const struct cml_surface *bottom = m <= layers ? &world->surfaces[m] : NULL;
-    const int plane_top = top && top->kind == CML_SURFACE_PLANE;
-    const int plane_bottom =
-        bottom && bottom->kind == CML_SURFACE_PLANE && m != world->setup.backing.boundary;
+    const int plane_top = top && top->kind == CML_SURFACE_PLANE && !cml_is_touched(world, m - 1);
+    const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE && !cml_is_touched(world, m);
     const real stop_above = top ? top->highest : -CML_INFINITY;
     const real stop_below = bottom ? medium->span + bottom->lowest : CML_INFINITY;
     const struct cml_lane_medium lane = {
@@ -71,7 +70,9 @@ static real cml_reflectance_at(const struct cml_world *world, const struct cml_p
 void cml_find_first_hit(struct cml_flight *f)
 {
     struct cml_packet packet = f->start;
-    if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
+    if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY ||
+        cml_is_touched(f->world, 0))
+        return;
     const struct cml_boundary_intervals intervals = cml_find_intervals(f->world, &packet, CML_INFINITY);
     f->first_hit_known = cml_nearest_hit(f->world, &packet, intervals, &f->first_hit);
     if (!f->first_hit_known || f->to.facets || f->to.phi || f->world->surfaces[0].rough.kind) return;
@@ -87,7 +88,7 @@ void cml_find_entry(struct cml_flight *f)
     struct cml_packet packet = f->start;
     struct cml_hit hit;
     if (!f->queue_places || packet.medium > 0 || world->media[0].mfp < CML_INFINITY ||
-        !cml_is_plane(world, 0) || world->surfaces[0].rough.kind || setup->backing.boundary == 0 ||
+        !cml_is_plane(world, 0) || world->surfaces[0].rough.kind || cml_is_touched(world, 0) ||
         setup->keeps_paths || f->tally->stay || f->to.expected)
         return;
     const struct cml_boundary_intervals intervals = cml_find_intervals(world, &packet, CML_INFINITY);
@@ -132,7 +133,7 @@ void cml_find_ballistic(struct cml_flight *f)
         return;
     const struct cml_boundary_intervals intervals = cml_find_intervals(world, like, CML_INFINITY);
     if (!cml_nearest_hit(world, &packet, intervals, &hit) || !cml_is_plane(world, hit.boundary) ||
-        world->surfaces[hit.boundary].rough.kind)
+        world->surfaces[hit.boundary].rough.kind || cml_is_touched(world, hit.boundary))
         return;
     if (!cml_transmit_like(world, like, &hit, &packet) || packet.fate == CML_FATE_ALIVE) return;
     ballistic->possible = 1;

@@ -526,7 +526,7 @@ static void cml_flight_begin(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     f->to = cml_deposits_of(f->tally, f->to.branches);
-    f->curves = setup->backing.kind != CML_BACKING_NONE;
+    f->curves = setup->backing.kind != CML_BACKING_NONE || f->world->contacts.count > 0;
     for (int i = 0; i <= setup->num_layers; i++) {
         const struct cml_surface *surface = &f->world->surfaces[i];
         if (surface->kind == CML_SURFACE_PLANE) {
@@ -539,7 +539,7 @@ static void cml_flight_begin(struct cml_flight *f)
     }
     f->pencil = setup->num_sources == 1 && f->world->sources->shape == CML_BEAM_PENCIL &&
                 f->world->sources->light == CML_LIGHT_PARALLEL;
-    f->elsewhere = setup->num_sources > 1 || f->world->sources->inside;
+    f->elsewhere = setup->apart || f->world->sources->inside;
     f->queue_places = !f->to.facets && !f->to.phi && cml_queue_can_place(setup, f->world->sources);
     cml_place(f->world, 0, &f->start);
     cml_find_first_hit(f);

@@ -63,8 +63,9 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
     return CML_OK;
 }
 
-/* Refuses scenes with results that devices do not score: time, directions, detectors, fluence, saved packets,
- * maps, volumes and facets (kernels/device_deposits.h). */
+/* Refuses faces and ports, which devices do not know, and scenes with results that devices do not score:
+ * time, directions, detectors, fluence, saved packets, maps, volumes and facets (kernels/device_deposits.h).
+ */
 static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
 {
     static const char no_maps[] = "records no maps, volumes or facets";
@@ -79,7 +80,9 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
                  {scene->fluence.line > 0, scene->fluence.line, "fluence", "scores none"},
                  {scene->saved.limit > 0, scene->saved.line, "photons", "saves none"},
                  {scene->map.nx > 0, scene->map.line, "map", no_maps},
-                 {scene->facets, scene->line, "facets", no_maps}};
+                 {scene->facets, scene->line, "facets", no_maps},
+                 {scene->num_contacts > 0, scene->num_contacts > 0 ? scene->contacts->line : 0,
+                  "face or port", "knows none: boundary 0 has a face"}};
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
         if (lines[i].there)
             return cml_fail(err, CML_E_INPUT,

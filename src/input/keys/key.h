@@ -29,6 +29,13 @@
     X(GK, "`phase gk`", "layer1.phase") \
     X(BACKING, "`backing`", "backing") \
     X(METAL, "`backing metal`", "backing") \
+    X(CONTACT, "`face`, `port`", "port") \
+    X(CONTACT_DISK, "`face disk`, `port disk`", "port") \
+    X(CONTACT_RING, "`face ring`, `port ring`", "port") \
+    X(CONTACT_RECTANGLE, "`face rectangle`, `port rectangle`", "port") \
+    X(FACE, "`face`", "face") \
+    X(FACE_METAL, "`face metal`", "face") \
+    X(PORT, "`port`", "port") \
     X(ROUGH, "`rough`", "boundary0") \
     X(SHAPE, "`b`, `m`", "boundary0") \
     X(MESH, "`m`, `i`", NULL) \

@@ -52,7 +52,7 @@ static bool is_of_media(const char *name)
 
 bool cml_sweep_is_of_results(const char *name)
 {
-    for (int t = 0; t < cml_num_totals(true); t++) {
+    for (int t = 0; t < CML_NUM_TOTALS; t++) {
         const char *total = cml_quantities[cml_quantity_of_total(t)].name;
         const size_t own = strlen(total);
         if (strncmp(name, total, own) == 0 && is_ending(name + own)) return true;
@@ -99,6 +99,8 @@ static void name_number(const struct cml_sweep_results *r, enum cml_recorded kin
         [CML_RECORDED_LAYERS] = "layer%d.A", [CML_RECORDED_BODIES] = "body%d.A"};
     if (kind == CML_RECORDED_TOTALS)
         strcpy(name, cml_quantities[cml_quantity_of_total(i)].name);
+    else if (kind == CML_RECORDED_FACE)
+        strcpy(name, cml_quantities[CML_QUANTITY_A_face].name);
     else if (kind == CML_RECORDED_EXPECTED)
         snprintf(name, 64, i == 0 ? "Tt_expected" : "layer%d.A_expected", i);
     else if (kind == CML_RECORDED_DETECTORS)
@@ -322,6 +324,8 @@ static void fill_all_numbers(struct fields *list)
     const struct cml_axis *layer = &list->layer, *body = &list->body, *side = &list->side;
     for (int t = 0; t < count_of(r, CML_RECORDED_TOTALS); t++)
         fill_over(list, CML_RECORDED_TOTALS, t, NULL, NULL, cml_quantity_of_total(t), NULL);
+    if (count_of(r, CML_RECORDED_FACE))
+        fill_over(list, CML_RECORDED_FACE, 0, NULL, NULL, CML_QUANTITY_A_face, NULL);
     fill_over(list, CML_RECORDED_LAYERS, 0, layer, NULL, CML_QUANTITY_A_l, NULL);
     fill_over(list, CML_RECORDED_BODIES, 0, body, NULL, CML_QUANTITY_A_body, NULL);
     fill_over(list, CML_RECORDED_FLUXES, 0, body, side, CML_QUANTITY_flux_body, NULL);

@@ -41,6 +41,7 @@ static double share_of(const struct cml_fate_record *record, int total)
                                                 [CML_TOTAL_TRANSMITTED] = CML_FATE_TRANSMITTED};
     if (total == CML_TOTAL_ABSORBED) return record->absorbed;
     if (total == CML_TOTAL_BACKING) return record->backing;
+    if (total == CML_TOTAL_FACE) return record->face;
     const double split_off = total == CML_TOTAL_SPECULAR ? record->specular : 0;
     return split_off + (record->fate == fate_of[total] ? record->weight * CML_WEIGHT_UNIT : 0);
 }
@@ -138,13 +139,13 @@ static cml_status compare_beams(struct fates *fates, struct cml_error *err)
 static cml_status compare_fates(const struct cml_check_setup *setup, struct cml_check_pair *pairs,
                                 struct cml_error *err)
 {
-    const bool backed = setup->scene->backing.kind != CML_BACKING_NONE;
+    const int totals =
+        CML_TOTALS + (setup->scene->backing.kind != CML_BACKING_NONE) + (setup->scene->num_contacts > 0);
     struct fates fates = {.setup = setup};
     cml_status status = open_sides(&fates, err);
     if (status == CML_OK) status = compare_beams(&fates, err);
     for (int s = 1; s < setup->num_sides; s++) {
-        pairs[s] = (struct cml_check_pair){.equal = fates.equal[s],
-                                           .values = backed ? CML_NUM_TOTALS : CML_TOTAL_BACKING};
+        pairs[s] = (struct cml_check_pair){.equal = fates.equal[s], .values = totals};
         for (int t = 0; t < CML_NUM_TOTALS; t++)
             pairs[s].total[t] = total_of(&fates.moments[s][t], (double)setup->photons);
     }

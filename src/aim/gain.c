@@ -31,7 +31,7 @@ double cml_gain_below(double worth)
 static double spread_of(const struct cml_detector_def *detector)
 {
     const double *size = detector->size, narrow = fmin(size[0], size[1]) / fmax(size[0], size[1]);
-    return detector->shape == CML_DETECTOR_RING ? 1 : fmin(1, 4.5 * sqrt(narrow));
+    return detector->round ? 1 : fmin(1, 4.5 * sqrt(narrow));
 }
 
 /* Returns the share of the light that the detector's aperture takes, for light that leaves equally bright in

@@ -107,7 +107,7 @@ static bool is_symmetric(const struct cml_scene *scene, const struct cml_surface
 {
     const struct cml_beam *beam = scene->beams;
     const bool central = beam->x == 0 && beam->y == 0;
-    if (scene->num_beams > 1 || scene->num_bodies > 0 || beam->angle > 0 ||
+    if (scene->num_beams > 1 || scene->num_bodies > 0 || scene->num_contacts > 0 || beam->angle > 0 ||
         beam->shape == CML_BEAM_RECTANGLE || beam->shape == CML_BEAM_IMAGE)
         return false;
     for (int b = 0; b < surfaces->count; b++)
@@ -137,7 +137,7 @@ static bool sees_arcs(const struct cml_scene *scene, const struct cml_surface_se
 static struct cml_seen_ring ring_of(const struct cml_detector_def *detector, double away)
 {
     const double *size = detector->size;
-    const bool ring = detector->shape == CML_DETECTOR_RING;
+    const bool ring = detector->round;
     const double inner = ring ? size[0] : 0, outer = ring ? size[1] : sqrt(size[0] * size[1] / M_PI);
     if (away == 0) return (struct cml_seen_ring){detector->below, inner, outer};
     return (struct cml_seen_ring){detector->below, fmax(0, away - outer), away + outer};

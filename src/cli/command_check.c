@@ -191,6 +191,7 @@ static void print_scene(const struct cml_options *options, const struct cml_scen
            scene->na);
     print_map(scene);
     cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
+    cml_report_top(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_detectors(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_beams(stdout, "  ", scene, starts);
     cml_report_shapes(stdout, "  ", scene, surfaces, CML_READ_BY_PEOPLE);

@@ -14,6 +14,12 @@ struct listener {
     long row;
 };
 
+/* Returns the words in front of a face or port. */
+static const char *words_of(const char *what)
+{
+    return strcmp(what, "stop") == 0 ? "stopped by " : strcmp(what, "through") == 0 ? "through " : "";
+}
+
 /* Prints an event with nine digits and more, because events of one photon are compared between engines and
  * machines. */
 static void print_event(void *context, const struct cml_trace_event *event)
@@ -26,6 +32,12 @@ static void print_event(void *context, const struct cml_trace_event *event)
     }
     if (strcmp(event->what, "rough") == 0) {
         printf("# rough: %d step%s\n", event->steps, event->steps == 1 ? "" : "s");
+        return;
+    }
+    if (event->contact > 0) {
+        char name[CML_CONTACT_NAME];
+        cml_contact_name(listener->scene, event->contact, name);
+        printf("# %s%s\n", words_of(event->what), name);
         return;
     }
     printf("%6ld  %-8s %6d  %15.9g %15.9g %15.9g  %12.9f %12.9f %12.9f  %.9g\n", listener->row++, event->what,
@@ -61,6 +73,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
     printf("# %s, photon %llu, %s engine, seed %llu\n", scene->output, (unsigned long long)photon,
            options->engine->name, (unsigned long long)options->engine_options.seed);
     cml_report_phases(stdout, "# ", scene, CML_READ_BY_PEOPLE);
+    cml_report_top(stdout, "# ", scene, CML_READ_BY_PEOPLE);
     const uint64_t beam = scene->num_beams > 1 ? photon >> CML_SOURCE_SHIFT : 0;
     if (beam >= (uint64_t)scene->num_beams)
         return cml_fail(err, CML_E_INPUT,

@@ -100,11 +100,13 @@ struct cml_fate_record {
 /* An event in a trace, with the packet after it. */
 struct cml_trace_event {
     /* "launch", "interact", "reflect", "transmit" or "end". "rough" comes before "reflect" or "transmit" at a
-     * rough boundary; "detect" comes after all others. */
+     * rough boundary, and so do "face" (kept by a face) and "through" (of a port); "stop" comes before the
+     * end of a packet that a face or port stops; "detect" comes after all others. */
     const char *what;
     /* "detect": number of the detector that saw the packet, from 0; of the other members only weight is
      * set. */
     int detector;
+    int contact;        /* "face", "through", "stop": number of the face or port, from 1; only this is set */
     int steps;          /* "rough": facets met in the longest walk of the event; no other member is set */
     int medium;         /* 0..L+1: outer media and layers; L+2 and up: bodies */
     double position[3]; /* coordinates of the scene, cm */

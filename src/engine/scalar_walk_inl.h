@@ -190,6 +190,26 @@ struct tracing {
     cml_u32 rough_draws; /* the packet's rough_draws at its last event */
 };
 
+/* Tells the listener which face or port a packet has met, before the event itself. Returns true if there is
+ * no further event: the packet has been stopped. */
+static bool trace_contact(const struct tracing *tracing, const char *what, const struct cml_packet *packet)
+{
+    const struct cml_world *world = tracing->world;
+    const bool stops = strcmp(what, "stop") == 0, through = strcmp(what, "transmit") == 0;
+    if (!world->contacts.count || packet->on_boundary != 0 || packet->bounces == 0) return false;
+    if (!stops && !through && strcmp(what, "reflect") != 0) return false;
+    const struct cml_source *source = cml_source_of(world, packet->index);
+    const bool first = packet->boundary_events == 1 && source->medium == 0 && !source->inside;
+    const int number = first && source->port ? source->port : cml_contact_at(world, packet->p.x, packet->p.y);
+    const bool port = number > 0 && world->contacts.item[number - 1].is_port;
+    const struct cml_trace_event event = {.what = stops  ? what
+                                                  : port ? "through"
+                                                         : "face",
+                                          .contact = number};
+    if (number > 0 && (stops || port == through)) tracing->on_event(tracing->context, &event);
+    return stops;
+}
+
 /* Passes an event of kernels/walk.h on to the listener, in the coordinates of the scene. */
 static void forward_event(void *context, const char *what, const struct cml_packet *packet)
 {
@@ -208,6 +228,7 @@ static void forward_event(void *context, const char *what, const struct cml_pack
     const struct cml_trace_event rough = {.what = "rough", .steps = (int)draws - 1};
     if (draws > 0) tracing->on_event(tracing->context, &rough);
     tracing->rough_draws = packet->rough_draws;
+    if (trace_contact(tracing, what, packet)) return;
     tracing->on_event(tracing->context, &event);
 }
 

@@ -77,7 +77,7 @@ double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_s
            surfaces->bodies.tree.count * (double)sizeof(struct cml_body_node) +
            surfaces->bodies.grids.count * (double)sizeof(struct cml_body_grid) +
            (double)surfaces->bodies.grids.num_cells * sizeof(struct cml_body_cell) + phase_bytes(scene) +
-           cml_source_bytes(scene);
+           scene->num_contacts * (double)sizeof(struct cml_contact) + cml_source_bytes(scene);
 }
 
 /* Fills the media of layers and outside. */

@@ -55,7 +55,7 @@ static cml_status read_face(const struct cml_mci_line *line, const char *word,
         return cml_mci_fail_option(line, cml_key_shown(R), word, either);
     char *next = reader->cursor + strspn(reader->cursor, " \t\r");
     contact->face.kind = CML_BACKING_MIRROR;
-    if (!*next || strchr(next, '=')) return CML_OK;
+    if (!*next || next[strcspn(next, "= \t\r")] == '=') return CML_OK;
     word = cml_text_word(&reader->cursor);
     const int law = cml_mci_choose(word, laws, 2);
     if (law == 1) contact->face.kind = CML_BACKING_LAMBERTIAN;

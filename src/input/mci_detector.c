@@ -59,6 +59,7 @@ static cml_status read_shape(const struct cml_mci_line *line, const char *word,
                                          "table \"FILE\"");
     detector->shape = shapes[s].shape;
     detector->ring = s == 1;
+    detector->round = detector->shape == CML_DETECTOR_RING;
     detector->nx = detector->ny = 1;
     if (detector->shape == CML_DETECTOR_PORT) return cml_mci_take_port(line, &detector->port);
     CML_TRY(cml_mci_leading_numbers(line->reader, line->owner, CML_KEY_PARTS({shapes[s].keys, detector})));
@@ -170,6 +171,7 @@ static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene 
     if (detector->contact) {
         const struct cml_contact_def *port = &scene->contacts[detector->contact - 1];
         memcpy(detector->size, port->size, sizeof port->size);
+        detector->round = port->shape == CML_DETECTOR_RING;
         detector->x = port->x;
         detector->y = port->y;
     }

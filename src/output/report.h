@@ -125,6 +125,18 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *s
 void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        enum cml_report_reader reader);
 
+/* Prints a line behind the prefix for every face and port, "port out: disk of ..."; people see the first 20.
+ */
+void cml_report_top(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                    enum cml_report_reader reader);
+
+/* Writes the name of a face or port, numbered from 1: "face 2", "port out". */
+enum { CML_CONTACT_NAME = 40 };
+void cml_contact_name(const struct cml_scene *scene, int number, char name[CML_CONTACT_NAME]);
+
+/* Returns the word of an outline in the .mci: disk, ring or rectangle. */
+const char *cml_outline_word(bool round, const double size[2]);
+
 /* Returns "mirror", "lambertian" or "metal". */
 const char *cml_backing_word(enum cml_backing_kind kind);
 

@@ -6,6 +6,7 @@
 #include "input/keys/key.h"
 #include "output/report_parts.h"
 #include "scene/body/body_shape.h"
+#include "scene/contact.h"
 #include "base/version.h"
 #include "tally/deal.h"
 
@@ -99,6 +100,7 @@ json_t *cml_json_beam(const struct cml_json_subject *subject, int k)
     json_t *size = json_array();
     for (int i = 0; i < sizes[beam->shape]; i++) json_array_append_new(size, json_real(beam->size[i]));
     json_t *object = json_pack("{s:s, s:o}", "shape", cml_beam_word(beam->shape), "size", size);
+    if (beam->port) json_object_set_new(object, "port", json_string(beam->port));
     set_keys(object, CML_KEYS_BEAM, beam);
     set_keys(object, CML_KEYS_START, beam->inside ? beam : NULL);
     set_keys(object, CML_KEYS_INSIDE, beam);
@@ -111,8 +113,9 @@ json_t *cml_json_beam(const struct cml_json_subject *subject, int k)
     if (!subject->starts) return object;
     cml_medium_name(subject->scene, subject->starts[k], name);
     json_object_set_new(object, "medium", beam->inside ? json_string(name) : json_null());
-    cml_json_set_real(object, "spread",
-                      cml_key_degrees(cml_light_spread(light, subject->scene->media[subject->starts[k]].n)));
+    const double n =
+        beam->port ? cml_beam_index(subject->scene, beam) : subject->scene->media[subject->starts[k]].n;
+    cml_json_set_real(object, "spread", cml_key_degrees(cml_light_spread(light, n)));
     return object;
 }
 
@@ -183,11 +186,34 @@ static json_t *detector_json(const struct cml_json_subject *subject, int k)
     json_t *object =
         json_pack("{s:s, s:s, s:[f,f], s:i, s:i}", "name", d->name, "shape", cml_detector_word(d), "size",
                   d->size[0], d->size[1], "nx", d->nx, "ny", d->ny);
+    if (d->port) json_object_set_new(object, "port", json_string(d->port));
     set_keys(object, CML_KEYS_DETECTOR, d);
     json_object_set_new(object, "side", json_string(d->below ? "bottom" : "top"));
     set_keys(object, CML_KEYS_AIM, d);
     set_keys(object, CML_KEYS_SIGHT, d);
     json_object_set_new(object, "na", d->aimed ? json_real(d->na) : json_null());
+    return object;
+}
+
+/* Returns face or port k as an object. `size` has the numbers behind the shape; a face over the whole plane
+ * has no shape. `n` is the index of a port, or the real part of a metal's. */
+static json_t *contact_json(const struct cml_json_subject *subject, int k)
+{
+    const struct cml_contact_def *c = &subject->scene->contacts[k];
+    const struct cml_backing_def *face = &c->face;
+    const bool round = c->shape == CML_DETECTOR_RING, disk = round && c->size[0] == 0,
+               metal = face->kind == CML_BACKING_METAL;
+    json_t *size = json_array();
+    for (int i = disk ? 1 : 0; !c->whole && i < 2; i++) json_array_append_new(size, json_real(c->size[i]));
+    json_t *object =
+        json_pack("{s:s, s:o, s:o, s:o}", "kind", c->port ? "port" : "face", "name",
+                  c->port ? json_string(c->name) : json_null(), "shape",
+                  c->whole ? json_null() : json_string(cml_outline_word(round, c->size)), "size", size);
+    set_keys(object, CML_KEYS_CONTACT, c);
+    json_object_set_new(object, "n", c->port ? json_real(c->n) : metal ? json_real(face->n) : json_null());
+    json_object_set_new(object, "r", c->port || metal ? json_null() : json_real(face->R));
+    json_object_set_new(object, "law", c->port ? json_null() : json_string(cml_backing_word(face->kind)));
+    json_object_set_new(object, "k", metal ? json_real(face->k) : json_null());
     return object;
 }
 
@@ -286,12 +312,14 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                           {"beams", scene->num_beams, cml_json_beam},
                                           {"boundaries", surfaces->count, cml_json_boundary},
                                           {"detectors", scene->num_detectors, detector_json},
+                                          {"top", scene->num_contacts, contact_json},
                                           {"bodies", scene->num_bodies, cml_json_body}};
     json_t *object = json_pack("{s:o, s:i, s:o, s:s}", "scene", cml_json_name(scene->file), "line",
                                scene->line, "output", cml_json_name(scene->output), "format", format);
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
     set_keys(object, CML_KEYS_PHOTONS, scene);
     cml_json_set_real(object, "n_above", scene->media[0].n);
+    if (scene->num_contacts > 0) json_object_set_new(object, "top", json_null());
     json_object_set_new(object, "layers", json_null());
     cml_json_set_real(object, "n_below", scene->media[scene->num_layers + 1].n);
     json_object_set_new(object, "backing", cml_json_backing(&scene->backing));

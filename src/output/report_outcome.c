@@ -104,7 +104,7 @@ static cml_status fill_extents(const struct cml_report *report, struct cml_outco
 cml_status cml_report_words(struct cml_report *report, enum cml_report_reader reader, struct cml_error *err)
 {
     struct cml_outcome *o = &report->outcome;
-    char **const text[] = {&o->shapes, &o->beam, &o->phases, &o->detectors};
+    char **const text[] = {&o->shapes, &o->beam, &o->phases, &o->detectors, &o->top};
     cml_status status = CML_OK;
     for (int i = 0; i < (int)(sizeof text / sizeof *text); i++) {
         size_t size = 0;
@@ -115,6 +115,7 @@ cml_status cml_report_words(struct cml_report *report, enum cml_report_reader re
         if (out && i == 1) cml_report_beams(out, "", report->scene, NULL);
         if (out && i == 2) cml_report_phases(out, "", report->scene, reader);
         if (out && i == 3) cml_report_detectors(out, "", report->scene, reader);
+        if (out && i == 4) cml_report_top(out, "", report->scene, reader);
         const cml_status ended = cml_text_end(out, text[i], &size, "the scene in words", err);
         if (ended != CML_OK) status = ended;
     }

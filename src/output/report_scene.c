@@ -37,10 +37,10 @@ const char *cml_backing_word(enum cml_backing_kind kind)
     return words[kind];
 }
 
-static void print_backing(FILE *stream, const char *prefix, const struct cml_backing_def *backing)
+/* Prints what an opaque surface is made of: "mirror, R = 0.5". */
+static void print_opaque(FILE *stream, const struct cml_backing_def *backing)
 {
-    if (backing->kind == CML_BACKING_NONE) return;
-    fprintf(stream, "%sbacking: %s, ", prefix, cml_backing_word(backing->kind));
+    fprintf(stream, "%s, ", cml_backing_word(backing->kind));
     if (backing->kind == CML_BACKING_METAL)
         fprintf(stream, "index %.15g + %.15g i\n", backing->n, backing->k);
     else
@@ -72,7 +72,62 @@ void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene 
     }
     if (shown > most && reader == CML_READ_BY_PEOPLE)
         fprintf(stream, "%sand phase functions of %d more media\n", prefix, shown - most);
-    print_backing(stream, prefix, &scene->backing);
+    if (scene->backing.kind != CML_BACKING_NONE) {
+        fprintf(stream, "%sbacking: ", prefix);
+        print_opaque(stream, &scene->backing);
+    }
+}
+
+const char *cml_outline_word(bool round, const double size[2])
+{
+    return !round ? "rectangle" : size[0] == 0 ? "disk" : "ring";
+}
+
+/* Prints an outline and its place: "disk of radius 0.01 cm at (0 0". */
+static void print_outline(FILE *stream, bool round, const double size[2], double x, double y)
+{
+    const bool disk = round && size[0] == 0;
+    if (!disk) fprintf(stream, round ? "radii %.15g and " : "%.15g x ", size[0]);
+    fprintf(stream, "%s%.15g cm at (%.15g %.15g", disk ? "radius " : "", size[1], x, y);
+}
+
+void cml_contact_name(const struct cml_scene *scene, int number, char name[CML_CONTACT_NAME])
+{
+    const struct cml_contact_def *contact = &scene->contacts[number - 1];
+    int faces = 0;
+    for (int k = 0; k < number; k++) faces += !scene->contacts[k].port;
+    if (contact->port)
+        snprintf(name, CML_CONTACT_NAME, "port %s", contact->name);
+    else
+        snprintf(name, CML_CONTACT_NAME, "face %d", faces);
+}
+
+static void report_contact(FILE *stream, const char *prefix, const struct cml_scene *scene, int k)
+{
+    const struct cml_contact_def *contact = &scene->contacts[k];
+    const bool round = contact->shape == CML_DETECTOR_RING;
+    char name[CML_CONTACT_NAME];
+    cml_contact_name(scene, k + 1, name);
+    fprintf(stream, "%s%s: ", prefix, name);
+    if (contact->whole) {
+        fputs("the whole plane, ", stream);
+    } else {
+        fprintf(stream, "%s of ", cml_outline_word(round, contact->size));
+        print_outline(stream, round, contact->size, contact->x, contact->y);
+        fputs(") cm, ", stream);
+    }
+    if (contact->port)
+        fprintf(stream, "n = %.15g\n", contact->n);
+    else
+        print_opaque(stream, &contact->face);
+}
+
+void cml_report_top(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                    enum cml_report_reader reader)
+{
+    const int n = scene->num_contacts, most = 20, shown = reader == CML_READ_BY_PEOPLE && n > most ? most : n;
+    for (int k = 0; k < shown; k++) report_contact(stream, prefix, scene, k);
+    if (shown < n) fprintf(stream, "%sand %d more faces and ports\n", prefix, n - shown);
 }
 
 /* Prints the depths that a boundary spans: bins there are shared by two media. */
@@ -227,6 +282,7 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *s
     fprintf(stream, " at (%g %g", beam->x, beam->y);
     if (beam->inside) fprintf(stream, " %g", beam->z);
     fprintf(stream, ") cm, angle %g, azimuth %g degrees", beam->angle * degrees, beam->azimuth * degrees);
+    if (beam->port) fprintf(stream, ", from port %s", beam->port);
     report_light(stream, &beam->light);
     if (files) fprintf(stream, ", crc32 %08x", cml_beam_checksum(beam));
     if (scene->num_beams > 1) fprintf(stream, ", share %g", scene->shares[k]);
@@ -247,21 +303,19 @@ void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *
 
 const char *cml_detector_word(const struct cml_detector_def *detector)
 {
-    static const char *const words[] = {"ring", "rectangle", "map"};
-    return detector->shape == CML_DETECTOR_RING && detector->size[0] == 0 ? "disk" : words[detector->shape];
+    return detector->shape == CML_DETECTOR_MAP ? "map" : cml_outline_word(detector->round, detector->size);
 }
 
 /* Prints a line with the shape, the place and the acceptance of a detector. */
 static void report_detector(FILE *stream, const char *prefix, const struct cml_detector_def *detector)
 {
-    const double degrees = 180 / acos(-1.0), *size = detector->size;
-    const bool ring = detector->shape == CML_DETECTOR_RING, disk = ring && size[0] == 0;
+    const double degrees = 180 / acos(-1.0);
     fprintf(stream, "%sdetector %s: %s of ", prefix, detector->name, cml_detector_word(detector));
     if (detector->shape == CML_DETECTOR_MAP)
         fprintf(stream, "%d x %d pixels of ", detector->nx, detector->ny);
-    if (!disk) fprintf(stream, ring ? "radii %.15g and " : "%.15g x ", size[0]);
-    fprintf(stream, "%s%.15g cm at (%.15g %.15g %.15g) cm, %s", disk ? "radius " : "", size[1], detector->x,
-            detector->y, detector->z, detector->below ? "bottom" : "top");
+    print_outline(stream, detector->round, detector->size, detector->x, detector->y);
+    fprintf(stream, " %.15g) cm, %s", detector->z, detector->below ? "bottom" : "top");
+    if (detector->port) fprintf(stream, ", through port %s", detector->port);
     if (detector->aimed)
         fprintf(stream, ", na %.15g, angle %.15g, azimuth %.15g degrees", detector->na,
                 detector->angle * degrees, detector->azimuth * degrees);

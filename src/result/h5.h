@@ -25,6 +25,6 @@ CML_NODISCARD cml_status cml_h5_write(const char *path, const struct cml_outcome
 
 /* Fills in the attributes of a run's file: the options that decided its bits, and the scene in words. Returns
  * their number, at most CML_H5_MOST_ATTRIBUTES. */
-#define CML_H5_MOST_ATTRIBUTES (CML_NUM_OPTIONS_OF_BITS + 15)
+#define CML_H5_MOST_ATTRIBUTES (CML_NUM_OPTIONS_OF_BITS + 16)
 int cml_h5_attributes(const struct cml_outcome *outcome, const struct cml_h5_more *more,
                       struct cml_attribute *attributes);

@@ -110,6 +110,7 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
     *a++ = (struct cml_attribute){"photons", NULL, (double)o->photons};
     if (o->beam && o->beam[0]) *a++ = (struct cml_attribute){"beam", o->beam, 0};
     if (o->phases && o->phases[0]) *a++ = (struct cml_attribute){"phases", o->phases, 0};
+    if (o->top && o->top[0]) *a++ = (struct cml_attribute){"top", o->top, 0};
     if (o->detectors && o->detectors[0]) *a++ = (struct cml_attribute){"detectors", o->detectors, 0};
     if (o->detector_names) *a++ = (struct cml_attribute){"detector_names", o->detector_names, 0};
     if (o->lost_indices[0]) *a++ = (struct cml_attribute){"lost_indices", o->lost_indices, 0};

@@ -128,6 +128,7 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     cml_text_print(out, "# set ", o->settings);
     cml_text_print(out, "# ", o->beam);
     cml_text_print(out, "# ", o->phases);
+    cml_text_print(out, "# ", o->top);
     cml_text_print(out, "# ", o->detectors);
     cml_text_print(out, "# ", o->shapes);
     if (o->beside) fputs(CML_MCO_BESIDE "\n", out);
@@ -149,6 +150,15 @@ static void write_errors_of(FILE *out, const struct cml_outcome *o, enum cml_qua
         write_number(out, errors[i]);
         fputc('\n', out);
     }
+}
+
+/* Writes A_face, which the totals of original MCML lack, and its standard error. */
+static void write_face(FILE *out, const struct cml_outcome *o)
+{
+    const struct cml_quantity_info *face = &cml_quantities[CML_QUANTITY_A_face];
+    if (!o->value[CML_QUANTITY_A_face]) return;
+    fprintf(out, "\n%s # %s [-]\n%.6G\n", face->name, face->long_name, o->value[CML_QUANTITY_A_face][0]);
+    write_errors_of(out, o, CML_QUANTITY_A_face);
 }
 
 /* Writes the sections of standard errors. */
@@ -192,6 +202,7 @@ cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct c
     for (int i = 0; i < CML_MCO_SECTIONS; i++) write_section(file.stream, o, &cml_mco_sections[i]);
     if (o->program) {
         write_comments(file.stream, o);
+        write_face(file.stream, o);
         write_errors(file.stream, o);
         write_balance(file.stream, o);
         fputs("\n" CML_MCO_END "\n", file.stream);

@@ -38,7 +38,7 @@ struct cml_outcome {
     char lost_indices[24 * CML_LOST_LISTED];
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene` is the input without the
      * lines for name and photons; only .h5 files have it. */
-    char *settings, *beam, *phases, *detectors, *shapes, *scene;
+    char *settings, *beam, *phases, *detectors, *shapes, *top, *scene;
     bool beside; /* some results, or shapes, of the run stand only in its .h5 file */
 };
 

@@ -30,7 +30,7 @@ struct head {
 };
 static const char magic[24] = CML_CHECKPOINT_MAGIC;
 #define ORDER 0x0102030405060708u /* a machine of the other byte order reads another number */
-#define VERSION 16u               /* version of this layout; the program refuses any other */
+#define VERSION 17u               /* version of this layout; the program refuses any other */
 
 cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
 {

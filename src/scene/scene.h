@@ -228,7 +228,8 @@ struct cml_saved_def {
 struct cml_detector_def {
     char *name;
     enum cml_detector_shape shape;
-    bool ring; /* the line has two radii, of which the first may be 0 */
+    bool ring;  /* the line has two radii, of which the first may be 0 */
+    bool round; /* the area is a ring or a disk, of a port, too */
     /* Both radii of a ring (a disk: the first is 0), or both side lengths of a rectangle or pixel; cm. */
     double size[2];
     int nx, ny;     /* number of pixels of a map; 1 for other shapes */

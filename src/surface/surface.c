@@ -232,7 +232,11 @@ static cml_status represent(const struct cml_scene *scene, const struct cml_boun
                             struct cml_error *err)
 {
     if (boundary->form == CML_FORM_PLANE)
-        make_plane(boundary->z, boundary->line ? "shape ignored" : "no surface given", def);
+        make_plane(boundary->z,
+                   boundary->line                                             ? "shape ignored"
+                   : boundary == scene->boundaries && scene->num_contacts > 0 ? "faces and ports touch it"
+                                                                              : "no surface given",
+                   def);
     else if (options->force == CML_SURFACE_PLANE)
         make_plane(boundary->z, "surface ignored as asked", def);
     else if (boundary->form == CML_FORM_RADIAL)

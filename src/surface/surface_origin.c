@@ -157,18 +157,37 @@ static cml_status require_boundary(struct requirements *all, int b, struct cml_e
     return require_part(all, &part, err);
 }
 
+/* Returns half the width of a ring, or of a rectangle's shorter side; the radius of a disk. */
+static double half_width(bool round, const double size[2])
+{
+    if (round) return size[0] == 0 ? size[1] : 0.5 * (size[1] - size[0]);
+    return 0.5 * fmin(size[0], size[1]);
+}
+
+/* Requires that single precision resolves a face or port with a shape. */
+static cml_status require_contact(struct requirements *all, int k, struct cml_error *err)
+{
+    const struct cml_contact_def *def = &all->scene->contacts[k];
+    struct part part = {.file = all->scene->file,
+                        .line = def->line,
+                        .length_name = "its half width is",
+                        .at = {def->x, def->y},
+                        .length = half_width(def->shape == CML_DETECTOR_RING, def->size),
+                        .steps = STEPS_OF_LENGTH};
+    if (def->whole) return CML_OK;
+    snprintf(part.name, sizeof part.name, "%s%s", def->port ? "port " : "face", def->port ? def->name : "");
+    return require_part(all, &part, err);
+}
+
 /* Requires that single precision resolves a detector: its half width, or half a pixel of its map. */
 static cml_status require_detector(struct requirements *all, int k, struct cml_error *err)
 {
     const struct cml_detector_def *def = &all->scene->detectors[k];
-    const bool ring = def->shape == CML_DETECTOR_RING, disk = ring && def->size[0] == 0;
     struct part part = {.file = def->table ? def->table : all->scene->file,
                         .line = def->table ? def->row : def->line,
                         .length_name = "its half width is",
                         .at = {def->x, def->y},
-                        .length = disk   ? def->size[1]
-                                  : ring ? 0.5 * (def->size[1] - def->size[0])
-                                         : 0.5 * fmin(def->size[0], def->size[1]),
+                        .length = half_width(def->round, def->size),
                         .steps = STEPS_OF_LENGTH};
     if (def->shape == CML_DETECTOR_MAP) part.length_name = "half the width of its pixels is";
     snprintf(part.name, sizeof part.name, "detector %s", def->name);
@@ -192,10 +211,11 @@ static void require_body(struct requirements *all, const struct cml_scene_body *
     if (!is_empty(range)) all->range = range;
 }
 
-/* Collects the requirements of all boundaries, detectors and bodies. */
+/* Collects the requirements of all boundaries, faces and ports, detectors and bodies. */
 static cml_status require_all(struct requirements *all, struct cml_error *err)
 {
     for (int b = 0; b <= all->scene->num_layers; b++) CML_TRY(require_boundary(all, b, err));
+    for (int k = 0; k < all->scene->num_contacts; k++) CML_TRY(require_contact(all, k, err));
     for (int k = 0; k < all->scene->num_detectors; k++) CML_TRY(require_detector(all, k, err));
     for (int k = 0; k < all->scene->num_bodies; k++) require_body(all, &all->scene->bodies[k]);
     return CML_OK;

@@ -103,6 +103,7 @@ static void announce(const struct cml_options *options, const struct cml_run_set
            setup->target_error > 0 ? "at least " : "", (double)setup->photons, scene->num_layers,
            scene->num_layers == 1 ? "" : "s", setup->engine->name, (unsigned long long)setup->options.seed);
     cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
+    cml_report_top(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_shapes(stdout, "  ", scene, setup->surfaces, CML_READ_BY_PEOPLE);
     for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(scene, b);
     if (setup->part.count > 0)

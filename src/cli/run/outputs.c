@@ -136,6 +136,7 @@ static cml_status check_format(const struct cml_options *options, const struct c
                  {"detector", scene->num_detectors > 0 ? scene->detectors[0].line : 0},
                  {"photons", scene->saved.line},
                  {"backing", scene->backing.line},
+                 {"face or port", scene->num_contacts > 0 ? scene->contacts->line : 0},
                  {"i", scene->num_bodies > 0 ? scene->bodies[0].line : 0}};
     static const char none[] = "no such line: this program was built without HDF5",
                       no_option[] = "run: --%s (expected none: this program was built without HDF5)";

@@ -119,7 +119,7 @@ def _width(scene: dict[str, Any], shapes: Iterable[Any]) -> tuple[float, float]:
         ends += [body["lower"][0], body["upper"][0]]
     if scene["map"]:
         ends += [sign * scene["map"]["nx"] * scene["map"]["dx"] / 2 for sign in (-1, 1)]
-    for port in scene["top"]:
+    for port in scene.get("top", []):
         ends += [port["x"] + sign * 2 * half_width(port["shape"], port["size"]) for sign in (-1, 1)] if port["kind"] == "port" else []
     if not ends or not max(ends) > min(ends):
         ends = [sign * scene["grid"]["nr"] * scene["grid"]["dr"] for sign in (-1, 1)]
@@ -271,21 +271,8 @@ def _caption(scene: dict[str, Any], stretch: float) -> str:
     return " ".join([plane + ".", *named[:6], *(["And others."] if len(named) > 6 else [])])
 
 
-def _with_ports(scene: dict[str, Any]) -> dict[str, Any]:
-    """Returns a scene whose beams and detectors of ports have the shapes and places of these."""
-    ports = {line["name"]: line for line in scene["top"] if line["kind"] == "port"}
-
-    def placed(thing: dict[str, Any]) -> dict[str, Any]:
-        if thing["shape"] != "port":
-            return thing
-        return {**thing, **{key: ports[thing["port"]][key] for key in ("shape", "size", "x", "y")}}
-
-    return {**scene, **{key: [placed(thing) for thing in scene[key]] for key in ("beams", "detectors") if key in scene}}
-
-
 def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = None) -> None:
     """Draws a scene. scene: answer of `check`. folder: folder with the shapes that `mesh` has written."""
-    scene = _with_ports({"top": [], **scene})
     stem = os.path.join(folder, os.path.basename(scene["output"]))
     shapes = [f"{stem}.boundary{b}.obj" for b in range(len(scene["boundaries"]))]
     there = [shape if os.path.exists(shape) else None for shape in shapes]
@@ -295,10 +282,10 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
     depths = [(float(line.pieces[..., 1].min()), float(line.pieces[..., 1].max())) for line in lines]
     top, bottom = _depth(scene, depths, right - left)
     bodies = [_body_pieces(body, f"{stem}.body{k}.obj") for k, body in enumerate(scene.get("bodies", []), 1)]
-    with drawing(style, (12.0, 5.2) if scene["top"] else (8.6, 5.2)):
+    with drawing(style, (12.0, 5.2) if scene.get("top", []) else (8.6, 5.2)):
         from matplotlib.figure import Figure
         figure = Figure(layout="constrained")
-        plan, axes = figure.subplots(1, 2, width_ratios=[1, 1.5]) if scene["top"] else (None, figure.subplots())
+        plan, axes = figure.subplots(1, 2, width_ratios=[1, 1.5]) if scene.get("top", []) else (None, figure.subplots())
         axes.grid(False)
         if len(lines) > 2000:  # more lines would be one black area
             lines = [*lines[::-(-len(lines) // 2000)], lines[-1]]
@@ -316,14 +303,14 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
         frame = (left, right, top, bottom)
         if plan is not None:
             draw_plan(plan, scene)
-            draw_section(axes, scene["top"], frame)
+            draw_section(axes, scene.get("top", []), frame)
         words = []
         for k, beam in enumerate(scene["beams"]):
             _draw_beam(axes, beam, frame)
             words.append(_beam_words(beam, f"{k + 1}: " if len(scene["beams"]) > 1 else ""))
         for detector in scene.get("detectors", []):
             _draw_detector(axes, detector)
-        _label_detectors(axes, [detector for detector in scene.get("detectors", []) if "port" not in detector], frame)  # the plan names ports
+        _label_detectors(axes, [detector for detector in scene.get("detectors", []) if not detector.get("port")], frame)  # the plan names ports
         if scene["map"]:
             reach = scene["map"]["nx"] * scene["map"]["dx"] / 2
             for x in (-reach, reach):

@@ -80,7 +80,7 @@ def draw_plan(axes: Any, scene: dict[str, Any]) -> None:
     top = scene["top"]
     used = {thing.get("port") for thing in [*scene["beams"], *scene.get("detectors", [])]}
     shaped = [line for line in top if line["shape"] is not None]
-    far = {id(line): math.hypot(line["x"], line["y"]) + math.hypot(*line["size"]) / (2 if line["shape"] == "rectangle" else 1) for line in shaped}
+    far = {id(line): math.hypot(line["x"], line["y"]) + (math.hypot(*line["size"]) / 2 if line["shape"] == "rectangle" else max(line["size"])) for line in shaped}
     ports = [far[id(line)] for line in shaped if line["kind"] == "port"]
     reach = max([*ports, *(min(far[id(line)], 2 * max(ports, default=math.inf)) for line in shaped)], default=1.0)
     axes.grid(False)

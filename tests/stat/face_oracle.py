@@ -203,7 +203,7 @@ def written_scenes():
                 ["port 1 light=lambertian", "port 2 light=lambertian share=2.7"], ["port 1", "port 2", "port 1 diffuse", "disk 0.2 at=0.1,0 z=-0.2 na=1.3"], n=(1.9, 1.2), backing="metal 1.4 7.6")
     yield Scene("open", ["face disk 0.1 0.95", "port disk 0.05 n=1.46 at=0,0.3"], [wet], ["disk 0.3 light=lambertian", "rectangle 0.2 0.2 at=0.2,0.3 z=0.1 angle=120 light=lambertian"],
                 ["disk 0.2", "disk 0.05 at=0,0.3", "port 1 diffuse", "ring 0.1 0.3 na=0.5 angle=45"], n=(1.5, 1.33))
-    yield Scene("black", ["face 0", "port disk 0.2 n=1.33 name=same", "port disk 0.05 n=3 name=dense"], [wet], ["port dense light=na:2.9"], ["port same", "port dense", "port dense diffuse na=1"])
+    yield Scene("black", ["port disk 0.4 n=2 name=hidden", "face 0", "port disk 0.2 n=1.33 name=same", "port disk 0.05 n=3 name=dense"], [wet], ["port dense light=na:2.9"], ["port same", "port dense", "port dense diffuse na=1", "port hidden"])
 
 
 def drawn_shape(dice, most):
@@ -231,7 +231,7 @@ def drawn_scene(number):
     for i in range(dice.randint(1, 6)):
         top.append(f"port {drawn_shape(dice, 0.4)} n={index()} {place()} name=p{i}" if dice.random() < 0.6 else f"face {drawn_shape(dice, 0.4)} {law()} {place()}")
     top.append(f"port {drawn_shape(dice, 0.3)} n={1.4} at=0.05,0.02 name=lit")
-    light = dice.choice(["light=na:0.5", "light=na:1.4", "light=lambertian", "", "angle=35 azimuth=250", "angle=20 azimuth=70 light=na:0.6"])
+    light = dice.choice(["light=na:0.5", "light=na:1.3", "light=lambertian", "", "angle=35 azimuth=250", "angle=20 azimuth=70 light=na:0.6"])
     beams = [f"port lit {light}"] + [f"disk 0.3 {place()} z=0.02 light=isotropic share=0.5"] * (dice.random() < 0.3)
     detectors = [f"port {name} {dice.choice(['', 'diffuse', 'na=0.6', 'na=0.9 angle=40 azimuth=100'])}" for name in port_numbers(top)]
     detectors += [f"{drawn_shape(dice, 0.5)} {place()} {dice.choice(['', 'na=1', 'z=-0.2', 'z=-0.1 na=0.8 angle=30'])}"]

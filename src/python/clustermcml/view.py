@@ -163,6 +163,7 @@ def _depth(scene: dict[str, Any], depths: list[tuple[float, float]], width: floa
 
 def _beam_words(beam: dict[str, Any], number: str) -> str:
     size, words = beam["size"], {"gaussian": "Gaussian"}.get(beam["shape"], beam["shape"])
+    words = f"port {beam['port']}, {words}" if beam.get("port") else words
     if beam["shape"] in ("disk", "gaussian"):
         words += f", R = {size[0]:g} cm"
     elif beam["shape"] == "ring":

@@ -11,7 +11,7 @@
 
 #define MOST 16       /* limit of layers, lines on top, beams, detectors */
 #define MOST_BINS 256 /* limit of bins of a list */
-#define MOST_EVENTS 1000000
+#define MOST_EVENTS 100000
 #define LIGHT_SPEED 0.0299792458 /* cm/ps */
 
 enum { LAMBERTIAN = METAL + 1, PORT };          /* laws of a line on top, behind MIRROR and METAL */

@@ -226,7 +226,7 @@ def drawn_scene(number):
 
     layers = [f"{index()} {dice.choice([0.2, 2])} {dice.choice([2, 20])} {dice.choice([-0.4, 0, 0.8])} {dice.choice([0.05, 0.2, 0.6])}" for _ in range(dice.randint(1, 3))]
     if len(layers) > 1 and dice.random() < 0.3:
-        layers[0] = f"{index()} 0 0 0 0.05"
+        layers[0] = "1 0 0 0 0.05"  # of a higher index, it could trap light of a lambertian face
     top = [f"face {law()}"] if dice.random() < 0.5 else []
     for i in range(dice.randint(1, 6)):
         top.append(f"port {drawn_shape(dice, 0.4)} n={index()} {place()} name=p{i}" if dice.random() < 0.6 else f"face {drawn_shape(dice, 0.4)} {law()} {place()}")

@@ -5,6 +5,8 @@
 - Weight in integers: what leaves through all ports and the open plane is Rsp + Rd; a disk detector on its port sees what the
   port does; a white face over a clear layer keeps nothing.
 - Reciprocity: N1^2 A1 P(1 to 2) = N2^2 A2 P(2 to 1) for lambertian light between two ports, beside each law of a face.
+- Options: light aimed at a port, at Tt or at a layer has the means of a flight without aim; a row by reweighting has those of
+  its own flight.
 - Evenness: stripes of two indices in a white face, with light by N^2 times their width, are a furnace. The mean path in the
   layer is 4 n^2 d p / sum(N^2 w), p being the period and w the widths of the stripes; the mean number of interactions is mus
   times this path. Lit stripes are short ports on top of long ones.
@@ -117,6 +119,23 @@ def reciprocity(verdict, law):
     verdict.z(f"{law}: there and back", *found)
 
 
+def options(verdict):
+    """Means of flights with --aim and --reweight, against plain flights of another seed."""
+    top = ["face disk 0.5 0.6", "port disk 0.05 n=1.46 name=in", "port disk 0.1 n=1.3 at=0.3,0 name=out"]
+    lines = ["beam port in light=na:0.3", "detector port out na=0.6 name=out"]
+    layers, names = ["1.4 0.5 20 0.8 0.2", "1.5 1 10 0 0.5"], ("Rd", "A", "A_face", "Tt", "detector_out")
+    plain, _ = fly(verdict, "plain", layers, top, lines, seed=11)
+    with tempfile.TemporaryDirectory() as folder:
+        rows = os.path.join(folder, "rows.csv")
+        with open(rows, "w", encoding="ascii") as file:
+            file.write("layer1.mua, layer2.mua\n0.1, 1\n0.5, 1\n3, 0.2\n")
+        records = {f"--aim {what}": cml.run(text_of(layers, top, lines), "--seed", 12, "--aim", what, keep=folder)[0] for what in ("out", "Tt", "A_l:2")}
+        records["a row"] = cml.run(text_of(layers, top, lines), "--seed", 13, "--sweep", rows, "--reweight", keep=folder)[1]
+    for name, record in records.items():
+        for key in names:
+            verdict.z(f"{name}: {key}", record[key], record[key + "_se"], plain[key], plain[key + "_se"])
+
+
 def evenness(verdict):
     """Stripes of n 2 and 1.2 with white faces between them, 0.5 cm apart, over a scattering layer on a white ground."""
     runs, period, widths = 40, 0.5, {2.0: 0.15, 1.2: 0.2}
@@ -143,6 +162,7 @@ def main():
         turned_over(verdict, name, law)
         reciprocity(verdict, name)
     integers(verdict)
+    options(verdict)
     evenness(verdict)
     verdict.finish()
 

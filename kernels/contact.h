@@ -1,4 +1,5 @@
-/* What touches the material: the backing under the last layer, faces and ports on boundary 0 (P12).
+/* Surfaces and media that touch the material from outside: the backing under the last layer, faces and ports
+ * on boundary 0 (P12).
  *
  *      n above     face          port: a medium of index N
  *     ........  ==========  |        |
@@ -44,7 +45,7 @@ CML_FN const CML_GLOBAL struct cml_source *cml_source_of(const struct cml_world 
     return world->sources + (world->setup.num_sources > 1 ? (int)(index >> CML_SOURCE_SHIFT) : 0);
 }
 
-/* What a packet meets at a boundary. */
+/* The other side of a boundary, as a packet meets it. */
 struct cml_meeting {
     const struct cml_backing *opaque; /* surface that turns the packet back; NULL: a medium */
     real n_above;                     /* index of the medium above the boundary, at this place */

@@ -1,5 +1,5 @@
-/* Functions that the files that make a world share: world.c, world_bodies.c, world_contacts.c,
- * world_detectors.c and world_sources.c. Nothing else includes this file.
+/* Functions that the files that make a world share: world.c, world_bodies.c, world_detectors.c and
+ * world_sources.c. Nothing else includes this file.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -27,7 +27,7 @@ CML_NODISCARD cml_status cml_add_level(const struct cml_outline *outline, const 
                                        const double origin[2], struct cml_cell_lists *lists,
                                        struct cml_detector_level *made, struct cml_error *err);
 
-/* Fills the faces and ports of a world, before its sources. Defined in world_contacts.c. */
+/* Fills the faces and ports of a world, before its sources. Defined in world_detectors.c. */
 CML_NODISCARD cml_status cml_set_contacts(const struct cml_scene *scene, const double origin[2],
                                           struct cml_owned_world *to, struct cml_error *err);
 
@@ -40,7 +40,7 @@ CML_NODISCARD cml_status cml_set_sources(const struct cml_scene *scene,
                                          struct cml_error *err);
 
 /* Returns the share of beam k that faces and ports stop, by 4096 places of its lattice. *passes: 1 if a part
- * passes boundary 0, or meets it from below, or never. Defined in world_contacts.c. */
+ * passes boundary 0, or meets it from below, or never. Defined in world_detectors.c. */
 double cml_stopped_share(const struct cml_world *world, int k, int *passes);
 
 /* Returns a vector rounded to `real`. */

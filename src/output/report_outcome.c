@@ -183,7 +183,8 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
                                .num_layers = o->num_layers,
                                .num_bodies = o->num_bodies,
                                .num_detectors = o->num_detectors,
-                               .backed = o->backed};
+                               .backed = o->backed,
+                               .faced = o->faced};
     CML_TRY(cml_score_result(report->sums, 2 * k + by_mus, &result, err));
     cml_status status = cml_outcome_take(&sums, &result, err);
     for (int i = 0; status == CML_OK && i < CML_NUM_QUANTITIES; i++) {

@@ -47,6 +47,16 @@ for count in 2 3; do
     expect_bits "beams on $count ranks" "$work/beams.mco" "$work/expected"
 done
 
+# A probe in contact: light of a port, and light of a wide beam that a face stops in part.
+printf '1.0\n1\nprobe.mco A\n20001\nbeam port in light=na:0.3\nbeam disk 0.3\ndetector port out\n0.02 0.02\n20 20 5\n1\n1.0\n%s\n%s\n%s\n1.4 1 50 0.8 0.5\n1.0\n' \
+    "face ring 0.05 0.2 0.5 lambertian" "port disk 0.05 n=1.46 name=in" "port disk 0.05 n=1.5 name=out at=0.15,0" >"$work/probe.mci"
+expect_code 0 "$work/probe.mci" --threads 1 --quiet -o "$work"
+mv "$work/probe.mco" "$work/expected"
+for count in 2 3; do
+    ranks $count "$work/probe.mci" --quiet -o "$work" || complain "a probe on $count ranks"
+    expect_bits "a probe on $count ranks" "$work/probe.mco" "$work/expected"
+done
+
 # A run with fewer photons than ranks, and standard input, which only rank 0 has.
 expect_code 0 samples/fig5.mci --photons 2 --quiet -o "$work"
 mv "$work/fig5.mco" "$work/expected"

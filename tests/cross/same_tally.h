@@ -28,7 +28,8 @@ static void expect_balanced_scores(const struct cml_tally *t)
             const uint64_t *of = t->rows + cml_row_batch(&t->grid, b) + i;
             uint64_t ended = of[CML_BALANCE_REFLECTED * stride] + of[CML_BALANCE_TRANSMITTED * stride] +
                              of[CML_BALANCE_ROULETTE * stride] + of[CML_BALANCE_TRAPPED * stride] +
-                             of[CML_BALANCE_LOST * stride] + of[CML_BALANCE_BACKING * stride];
+                             of[CML_BALANCE_LOST * stride] + of[CML_BALANCE_BACKING * stride] +
+                             of[CML_BALANCE_FACE * stride];
             for (size_t m = 0; m < media; m++) ended += of[(at.A_l + m) * stride];
             assert_true(of[CML_BALANCE_GAINED * stride] == ended);
         }

@@ -304,6 +304,29 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "map 5 5 0.1 0.1\nfacets\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.37 0.5 20 0.8 0.3\n1\n", 2000);
 }
 
+/* Tests faces and ports on boundary 0: light from ports, from above and from inside, split off or not. */
+static void touched_scenes_have_the_same_tally(void **state)
+{
+    (void)state;
+#define TOP "port disk 0.1 n=1.5 name=p\nport ring 0.1 0.12 n=1\nface rectangle 0.05 0.3 0.4 at=0.2,0\n"
+#define UNDER "1.4 1 20 0.8 0.3\n1\n"
+    compare_text(HEAD "beam port p light=na:0.5\n" GRID "1\n1\nface 0.5\n" TOP UNDER, 3000);
+    compare_text(HEAD "beam port p\n" GRID "2\n1\n" TOP "1.5 0 0 0 0.1\n" UNDER, 2000);
+    compare_text(HEAD "beam port 2 angle=30 azimuth=70\n" GRID "1\n1\nface 0.5 lambertian\n" TOP UNDER, 2000);
+    compare_text(HEAD "beam rectangle 0.5 0.4\n" GRID "2\n1\n" TOP "1.5 0 0 0 0.1\n" UNDER, 3000);
+    compare_text(HEAD "beam disk 0.3 angle=20 light=na:0.3\n" GRID "1\n1\n" TOP UNDER, 3000);
+    compare_text(HEAD "beam pencil at=0.3,0\n" GRID "1\n1\nface ring 0.4 0.6 metal 2 3\n" TOP UNDER, 2000);
+    compare_text(HEAD "beam disk 0.3 z=-0.1 light=isotropic\nbeam port p share=0.3\nbeam pencil z=0.1\n"
+                      "detector port p na=0.3\ndetector port 2 diffuse\n" GRID
+                      "1\n1\nface 0.9 lambertian\nface disk 1 metal 0 5\nport disk 0.5 n=1\n" TOP
+                      "1.4 1 20 0.8 0.3\ni sphere 0 0 0.15 0.1 1.3 1 20 0.5\nbacking 0.5\n1\n",
+                 3000);
+    compare_text(HEAD "beam disk 0.2\nmap 5 5 0.1 0.1\nfacets\n" GRID "1\n1\n" TOP
+                      "1.4 1 20 0.8 0.3\nb 3 0.02 0.1 0 "
+                      "0.1 0.01 0.1\n1\n",
+                 2000);
+}
+
 /* Tests roughness of planes, rings, interpolated facets and bodies, in matched layers, with mirrors and
  * metals. */
 static void rough_scenes_have_the_same_tally(void **state)
@@ -627,6 +650,7 @@ int main(void)
         cmocka_unit_test(every_sample_has_the_same_tally),
         cmocka_unit_test(maps_and_facets_have_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),
+        cmocka_unit_test(touched_scenes_have_the_same_tally),
         cmocka_unit_test(rough_scenes_have_the_same_tally),
         cmocka_unit_test(random_scenes_have_the_same_tally),
         cmocka_unit_test(bodies_have_the_same_tally),

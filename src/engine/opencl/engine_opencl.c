@@ -73,16 +73,16 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
         bool there;
         int line;
         const char *name, *why;
-    } lines[] = {{scene->time.gates > 0, scene->time.line, "time", "keeps no time"},
+    } lines[] = {{scene->num_contacts > 0, scene->num_contacts > 0 ? scene->contacts->line : 0,
+                  "face or port", "knows none: boundary 0 has a face"},
+                 {scene->time.gates > 0, scene->time.line, "time", "keeps no time"},
                  {scene->directions.nt > 0, scene->directions.line, "directions", "scores none"},
                  {scene->num_detectors > 0, scene->num_detectors > 0 ? scene->detectors[0].line : 0,
                   "detector", "has none"},
                  {scene->fluence.line > 0, scene->fluence.line, "fluence", "scores none"},
                  {scene->saved.limit > 0, scene->saved.line, "photons", "saves none"},
                  {scene->map.nx > 0, scene->map.line, "map", no_maps},
-                 {scene->facets, scene->line, "facets", no_maps},
-                 {scene->num_contacts > 0, scene->num_contacts > 0 ? scene->contacts->line : 0,
-                  "face or port", "knows none: boundary 0 has a face"}};
+                 {scene->facets, scene->line, "facets", no_maps}};
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
         if (lines[i].there)
             return cml_fail(err, CML_E_INPUT,

@@ -299,10 +299,10 @@ static void what_cannot_be_understood_is_refused(void **state)
         {0, 0x6c63207265746f6eu, ": is no checkpoint"},
         {AT_ORDER, 0x0807060504030201u,
          ": another version of clustermcml or another kind of machine wrote the checkpoint (expected format "
-         "16; "},
+         "17; "},
         {AT_VERSION, 1,
          ": another version of clustermcml or another kind of machine wrote the checkpoint (expected format "
-         "16; "},
+         "17; "},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         enum cml_checkpoint_kind kind;

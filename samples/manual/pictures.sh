@@ -50,6 +50,8 @@ scene input/bodies.md bodies.mci
 "$program" view "$folder/bodies.mci" -o pictures/input_bodies.svg
 python3 pictures_input.py input_phase
 python3 pictures_input.py input_backing
+scene input/faces.md pair.mci
+"$program" view "$folder/pair.mci" -o pictures/faces.svg
 "$program" view ../foil.mci -o pictures/input_foil.svg
 python3 pictures_input.py input_mcml
 python3 pictures_beams.py beam_shapes

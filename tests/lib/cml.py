@@ -122,6 +122,27 @@ def read_sections(path):
     return sections
 
 
+def joined(ours, theirs):
+    """Returns bins in their order, joined until the oracle has 100 packets in each: (first, last, ours, error, theirs, error)."""
+    parts, now = [], None
+    for i, (a, b) in enumerate(zip(ours, theirs)):
+        now = now or [i, i, 0, 0, 0, 0]
+        now = [now[0], i, now[2] + a[0], math.hypot(now[3], a[1]), now[4] + b[0], math.hypot(now[5], b[1])]
+        if now[4] > 0 and (now[5] == 0 or (now[4] / now[5]) ** 2 >= 100):
+            parts.append(now)
+            now = None
+    if now and parts:
+        last = parts.pop()
+        now = [last[0], now[1], last[2] + now[2], math.hypot(last[3], now[3]), last[4] + now[4], math.hypot(last[5], now[5])]
+    return parts + ([now] if now else [])
+
+
+def error_of(value, error, packets):
+    """Returns an error that also holds for few packets: weights up to 1 have at least this, and one packet could always have
+    come."""
+    return max(error, math.sqrt(max(value, 1 / packets) / packets)) if value * packets < 100 else error
+
+
 class Verdict:
     """Collects z-scores, then passes or fails the test as a whole."""
 

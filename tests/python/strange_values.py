@@ -22,7 +22,8 @@ SOUND = [
     mc.Cylinder(0, 0, 0.05, 0.1, 0, 0.05, 0.01, n=1.4, mua=1, mus=2, g=0), mc.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]),
     mc.Phase("hg2", g1=0.9, g2=-0.4, w=0.95), mc.Phase("table", angles=[0, 180], densities=[1, 1]), mc.Beam("disk", 0.5), mc.Beam("ring", r1=0.1, r2=0.2),
     mc.Map(3, 3, 0.1, 0.1, volume=True), mc.Time(100, 5), mc.Directions(2, 2), mc.Backing("metal", n=0.2, k=3.0), mc.Backing("mirror", R=0.5),
-    mc.Detector("disk", radius=0.1, na=0.2), mc.Detector("map", nx=2, ny=2, dx=0.1, dy=0.1), mc.Saved("exits"), mc.Scene([LAYER], photons=100)]
+    mc.Face(0.5, "ring", r1=0.1, r2=0.2), mc.Face(law="metal", n=2.5, k=3.4), mc.Port("disk", radius=0.1, n=1.46, name="core"), mc.Beam("port", port="core"),
+    mc.Detector("port", port="core"), mc.Fibre(0.01, na=0.22, cladding=0.011), mc.Detector("disk", radius=0.1, na=0.2), mc.Detector("map", nx=2, ny=2, dx=0.1, dy=0.1), mc.Saved("exits"), mc.Scene([LAYER], photons=100)]
 CALLS = {  # each call with the arguments that stay, and those that become strange
     mc.run: ({"scene": mc.Scene([LAYER], photons=100)}, ("scene", "output_dir", "seed", "photons", "set", "roulette", "engine", "target_error", "resume")),
     mc.sweep: ({"scene": mc.Scene([LAYER], photons=100), "parameters": {"layer1.mua": [1, 2]}}, ("parameters", "dim", "coords", "variables", "output_dir")),

@@ -173,27 +173,6 @@ def by_program(scene, seed, packets):
     return found, told
 
 
-def joined(ours, theirs):
-    """Returns bins in their order, joined until the oracle has 100 packets in each: (first, last, ours, error, theirs, error)."""
-    parts, now = [], None
-    for i, (a, b) in enumerate(zip(ours, theirs)):
-        now = now or [i, i, 0, 0, 0, 0]
-        now = [now[0], i, now[2] + a[0], math.hypot(now[3], a[1]), now[4] + b[0], math.hypot(now[5], b[1])]
-        if now[4] > 0 and (now[5] == 0 or (now[4] / now[5]) ** 2 >= 100):
-            parts.append(now)
-            now = None
-    if now and parts:
-        last = parts.pop()
-        now = [last[0], now[1], last[2] + now[2], math.hypot(last[3], now[3]), last[4] + now[4], math.hypot(last[5], now[5])]
-    return parts + ([now] if now else [])
-
-
-def error_of(value, error, packets):
-    """Returns an error that also holds for few packets: weights up to 1 have at least this, and one packet could always have
-    come."""
-    return max(error, math.sqrt(max(value, 1 / packets) / packets)) if value * packets < 100 else error
-
-
 def compare(verdict, scene, seed, packets):
     """Compares every number that both programs give, by z."""
     theirs = by_oracle(scene, seed, packets)
@@ -205,13 +184,13 @@ def compare(verdict, scene, seed, packets):
     def test(name, a, b):
         if a == b == (0, 0) or (abs(a[0] - b[0]) < 1e-7 and a[1] < 1e-7 and b[1] < 1e-7):  # no light, or split off without error
             return
-        verdict.z(f"{scene.name}: {name}", a[0], error_of(*a, packets), b[0], error_of(*b, packets))
+        verdict.z(f"{scene.name}: {name}", a[0], cml.error_of(*a, packets), b[0], cml.error_of(*b, packets))
 
     for key, expected in theirs.items():
         if not key.endswith("_dir"):
             test(key, ours[key], expected)
             continue
-        for first, last, *pair in joined(ours[key], expected):
+        for first, last, *pair in cml.joined(ours[key], expected):
             test(f"{key} {first}-{last}", tuple(pair[:2]), tuple(pair[2:]))
     return [score for score, _ in verdict.rows[before:]]
 

@@ -29,6 +29,7 @@ from .merge import merge
 from .mie import Mie, mie
 from .phases import Phase
 from .photons import Saved, read_photons
+from .probes import Fibre, Probe
 from .profile import Profile, profile
 from .program import run
 from .results import read
@@ -36,10 +37,11 @@ from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
 from .spectrum import spectrum
 from .surfaces import Heightfield, Heightmap, Mesh, Relief, Rough
 from .sweep import sweep
+from .top import Face, Port
 from .view import view
 from .watts import scale
 
-__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Mie", "Phase", "Profile", "Relief", "Rough", "Saved", "Scene",
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Face", "Fibre", "Fit", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Material", "Mesh", "Mie", "Phase", "Port", "Probe", "Profile", "Relief", "Rough", "Saved", "Scene",
            "Sphere", "Time", "brdf", "check", "compare", "crosscheck", "exact", "fit", "furnace", "media", "merge", "mesh", "mie", "plan", "profile", "read", "read_bsdf", "read_material", "read_photons", "run", "scale", "spectrum", "sphere", "sweep", "trace", "view"]
 
 

@@ -39,7 +39,7 @@ from .results import read_as
 ENOUGH = 20.0  # least number of packets of the mean weight, in the smaller run, that make a test
 WIDER = 500.0  # number of packets that tell the scatter of scores
 BATCHES, GROUPS = 64, 16  # numbers of parts of a run that errors come from; arrays of cells, directions and facets use groups of batches
-TOTALS = ("Rsp", "Rd", "A", "Tt", "A_backing")
+TOTALS = ("Rsp", "Rd", "A", "Tt", "A_face", "A_backing")
 OF_MCML = ("A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a")
 GIVEN = re.compile(r"(layer|body)_(n|mua|mus|g|d)|body_of_facet|(\w+_)?area")  # arrays that repeat the scene or belong to a shape, and are not tested
 MOST = 1e100  # squares of larger numbers would overflow

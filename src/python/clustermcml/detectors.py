@@ -6,14 +6,14 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import dataclass
 from typing import Optional, Sequence, Union
 
 from . import errors
 from .surfaces import shortest
+from .top import check_name
 
-SHAPES = {"disk": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "map": ("nx", "ny", "dx", "dy"), "table": ()}
+SHAPES = {"disk": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "map": ("nx", "ny", "dx", "dy"), "table": (), "port": ()}
 
 
 @dataclass
@@ -21,7 +21,7 @@ class Detector:
     """A detector: it sees packets that leave, where the line of their last flight crosses a level.
 
     Attributes:
-        kind: "disk", "ring", "rectangle", "map", or "table" (the detectors in the lines of a file); default "disk".
+        kind: "disk", "ring", "rectangle", "map", "port" (what leaves through a Port), or "table" (the detectors in the lines of a file); default "disk".
         radius: Radius of a disk [cm].
         at: x and y of its middle [cm]; default (0, 0).
         z: Depth of the level [cm], on which a camera is focused; None is the nominal plane of the side.
@@ -30,7 +30,7 @@ class Detector:
         angle: Angle of its axis to the outward vertical [degrees]; needs `na`; default 0.
         azimuth: Direction of that tilt [degrees]; default 0.
         diffuse: Whether light that never was in the material is left out; default False.
-        name: Name of its results, `detector_NAME`; None is its number, from 1.
+        name: Name of its results, `detector_NAME`; None is its number, from 1, or the name of its port.
         group: Name of a sum of detectors on one side, `detector_GROUP`, to which this one belongs; None is no sum.
         r1: Inner radius of a ring [cm].
         r2: Outer radius of a ring [cm].
@@ -41,12 +41,15 @@ class Detector:
         dx: Width of a pixel along x [cm].
         dy: Width of a pixel along y [cm].
         file: Path of a table; each line is what stands behind the word `detector` of an `.mci`.
+        port: Name of the Port through which the light of a "port" leaves.
 
     Examples:
         >>> Detector("disk", radius=0.01, na=0.22, at=(0.3, 0), name="far").line()
         'detector disk 0.01 at=0.3,0 na=0.22 name=far'
         >>> Detector("map", nx=80, ny=60, dx=0.01, dy=0.01, z=-0.05, na=0.1, angle=45, diffuse=True).line()
         'detector map 80 60 0.01 0.01 z=-0.05 na=0.1 angle=45 diffuse'
+        >>> Detector("port", port="out", na=0.22).line()
+        'detector port out na=0.22'
     """
 
     kind: str = "disk"
@@ -69,6 +72,7 @@ class Detector:
     dy: Optional[float] = None
     file: Optional[Union[str, os.PathLike[str]]] = None
     group: Optional[str] = None
+    port: Optional[str] = None
 
     def __post_init__(self) -> None:
         errors.choice("Detector.kind", self.kind, *SHAPES)
@@ -93,20 +97,26 @@ class Detector:
         for name in ("z", "na"):
             if getattr(self, name) is not None:
                 (errors.finite if name == "z" else errors.above_zero)("Detector." + name, getattr(self, name))
+        if self.kind == "port":
+            check_name("Detector.port", self.port)
+            if tuple(self.at) != (0.0, 0.0) or self.z is not None or self.side != "top":
+                raise errors.refuse("Detector.at, z, side", (self.at, self.z, self.side), "the defaults for a port, which has its place")
+        elif self.port is not None:
+            raise errors.refuse("Detector.port", self.port, f"None for a {self.kind}")
         angle = errors.number("Detector.angle", self.angle, 0, 90, "degrees, 0 <= angle <= 90")
         azimuth = errors.number("Detector.azimuth", self.azimuth, -360, 360, "degrees, -360..360")
         if self.na is None and (angle != 0 or azimuth != 0):
             raise errors.refuse("Detector.angle", self.angle, "0 without na")
         errors.flag("Detector.diffuse", self.diffuse)
         for name, value in (("name", self.name), ("group", self.group)):
-            if value is not None and not (isinstance(value, str) and re.fullmatch(r"[A-Za-z0-9_]{1,24}", value)):
-                raise errors.refuse("Detector." + name, value, "1 to 24 letters, digits and underscores")
+            if value is not None:
+                check_name("Detector." + name, value)
 
     def line(self) -> str:
         """Returns the line of the detector in an .mci file."""
         if self.file is not None:
             return "detector table " + errors.quoted_file("Detector.file", self.file)
-        words = ["detector", self.kind] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]
+        words = ["detector", self.kind, *([] if self.port is None else [self.port])] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]
         words += ["at=" + ",".join(map(shortest, self.at))] if tuple(self.at) != (0.0, 0.0) else []
         words += [] if self.z is None else [f"z={shortest(self.z)}"]
         words += ["side=bottom"] if self.side == "bottom" else []

@@ -19,9 +19,10 @@ from .detectors import Detector
 from .photons import Saved
 from .phases import Phase, check_phase
 from .surfaces import Rough, Surface, check_rough, check_surface, shortest, vector
+from .top import Face, Port, Top, check_name
 
 MOST_PHOTONS = 2**48
-TAKEN = re.compile(r"photons|seed|above|below|backing|(layer|body|boundary|beam|detector)\d*")  # other names whose numbers can be set
+TAKEN = re.compile(r"photons|seed|above|below|backing|(layer|body|boundary|beam|detector|face|port)\d*")  # other names whose numbers can be set
 
 
 @dataclass
@@ -73,7 +74,7 @@ class Layer:
         check_phase("Layer.phase", self.phase)
 
 
-SHAPES = {"pencil": (), "disk": ("radius",), "gaussian": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "image": ()}
+SHAPES = {"pencil": (), "disk": ("radius",), "gaussian": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "image": (), "port": ()}
 LIGHTS = ("parallel", "lambertian", "isotropic")  # besides na:N, and files
 LIGHT_EXPECTED = ", ".join(LIGHTS) + ", na:N or the path of a file that is there"
 
@@ -83,7 +84,7 @@ class Beam:
     """A light source: its shape, its place, and the directions of its light.
 
     Attributes:
-        kind: Shape: "pencil", "disk", "gaussian", "ring", "rectangle" or "image"; default "pencil".
+        kind: Shape: "pencil", "disk", "gaussian", "ring", "rectangle", "image" or "port" (evenly over a Port); default "pencil".
         radius: Radius of a disk, or 1/e2 radius of a Gaussian beam [cm].
         at: x and y of the point where the axis meets z = 0 [cm]; default (0, 0).
         angle: Angle between the axis and z [degrees]: below 90, or up to 180 with `z`; default 0.
@@ -99,6 +100,7 @@ class Beam:
         file: Path of a `.gsf` image; its pixels are brightnesses.
         radial: Whether r in the results counts from `at`; of a single beam; default False.
         tile: Whether a rectangle covers one period of the scene's tiles, at any angle; default False.
+        port: Name of the Port in which the light of a "port" starts.
 
     Examples:
         >>> Beam("disk", 0.5, angle=60).line()
@@ -107,6 +109,8 @@ class Beam:
         'beam ring 0.1 0.2 z=0.05 light=isotropic'
         >>> Beam("rectangle", tile=True, angle=45).line()
         'beam rectangle tile angle=45'
+        >>> Beam("port", port="in", light="na:0.22").line()
+        'beam port in light=na:0.22'
     """
 
     kind: str = "pencil"
@@ -124,6 +128,7 @@ class Beam:
     file: Optional[Union[str, os.PathLike[str]]] = None
     radial: bool = False
     tile: bool = False
+    port: Optional[str] = None
 
     def __post_init__(self) -> None:
         errors.choice("Beam.kind", self.kind, *SHAPES)
@@ -141,6 +146,7 @@ class Beam:
         if self.file is not None:
             errors.existing_file("Beam.file", self.file)
         vector("Beam.at", self.at, 2)
+        self._check_port()
         if self.z is not None:
             errors.finite("Beam.z", self.z)
         angle = errors.finite("Beam.angle", self.angle)
@@ -150,6 +156,15 @@ class Beam:
         self._light_word()
         errors.above_zero("Beam.share", self.share)
         errors.flag("Beam.radial", self.radial)
+
+    def _check_port(self) -> None:
+        if self.kind != "port":
+            if self.port is not None:
+                raise errors.refuse("Beam.port", self.port, f"None for a {self.kind} beam")
+            return
+        check_name("Beam.port", self.port)
+        if tuple(self.at) != (0.0, 0.0) or self.z is not None:
+            raise errors.refuse("Beam.at" if self.z is None else "Beam.z", self.at if self.z is None else self.z, "the default for a port, which has its place")
 
     def _numbers(self) -> Sequence[str]:
         """Returns the names of the numbers that follow the kind."""
@@ -163,7 +178,7 @@ class Beam:
 
     def line(self) -> str:
         """The line of the `.mci`; files by absolute paths."""
-        words = ["beam", self.kind] + ["tile"] * self.tile + [shortest(getattr(self, name)) for name in self._numbers()]
+        words = ["beam", self.kind, *([] if self.port is None else [self.port])] + ["tile"] * self.tile + [shortest(getattr(self, name)) for name in self._numbers()]
         words += [errors.quoted_file("Beam.file", self.file)] if self.file is not None else []
         if tuple(self.at) != (0.0, 0.0):
             words.append("at=" + ",".join(shortest(value) for value in self.at))
@@ -334,6 +349,7 @@ class Scene:
         fluence: True records fluence over r and z, and in the voxels of a map; "time" also over the gates of `time`; default False.
         saved: Saves packets one by one into a file.
         bottom_rough: Roughness of the boundary below the last layer.
+        top: List of Face and Port that touch boundary 0; later ones lie on top. Default ().
 
     Examples:
         >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
@@ -372,6 +388,7 @@ class Scene:
     fluence: Union[bool, str] = False
     saved: Optional[Saved] = None
     bottom_rough: Optional[Rough] = None
+    top: Sequence[Top] = ()
 
     def __post_init__(self) -> None:
         errors.choice("Scene.format", self.format, "A", "B")
@@ -410,6 +427,9 @@ class Scene:
         if not isinstance(self.detectors, (list, tuple)) or not all(isinstance(detector, Detector) for detector in self.detectors):
             raise errors.refuse("Scene.detectors", self.detectors, "a list of Detector")
 
+        if not isinstance(self.top, (list, tuple)) or not all(isinstance(item, (Face, Port)) for item in self.top):
+            raise errors.refuse("Scene.top", self.top, "a list of Face and Port")
+
     def beams(self) -> Sequence[Beam]:
         """All beams, one or several."""
         return [self.beam] if isinstance(self.beam, Beam) else self.beam
@@ -433,7 +453,7 @@ class Scene:
         lines += [self.directions.line()] if self.directions is not None else []
         lines += [detector.line() for detector in self.detectors]
         lines += [self.saved.line()] if self.saved else []
-        lines += [str(len(self.layers)), shortest(self.n_above)]
+        lines += [str(len(self.layers)), shortest(self.n_above), *(item.line() for item in self.top)]
         for index, surface in enumerate([*(layer.top for layer in self.layers), self.bottom]):
             lines += [surface.line(directory, f"{stem}.surface{index}")] if surface else []
             rough = self.layers[index].top_rough if index < len(self.layers) else self.bottom_rough

@@ -1,4 +1,5 @@
-"""Draws a scene in the plane y = 0: boundaries, layers, bodies, beams with their outer rays, detectors and the map.
+"""Draws a scene in the plane y = 0: boundaries, layers, bodies, beams with their outer rays, detectors and the map. Faces and
+ports on boundary 0 get a plan beside it.
 
 The shapes come from `check --json` and `mesh`.
 
@@ -19,6 +20,7 @@ from .commands import check, mesh
 from .pictures import COLOURS, drawing, save
 from .program import scratch_folder
 from .scene import Scene
+from .view_top import draw_plan, draw_section, half_width
 
 LAYERS, BODIES = 20, 40  # numbers of layers and bodies that are named in the picture
 MOST_CELLS = 2000  # most cells of a tile along the picture
@@ -111,13 +113,15 @@ def _half(beam: dict[str, Any]) -> float:
 def _width(scene: dict[str, Any], shapes: Iterable[Any]) -> tuple[float, float]:
     """Returns the left and right end of the picture [cm].
 
-    The picture holds all shapes that are no planes, one period of a tile, and the map. If there is none of these, it holds the
+    The picture holds all shapes that are no planes, one period of a tile, the map, and ports with some room. If there is none of these, it holds the
     radial grid. Beams and detectors widen it."""
     ends = [end for points in shapes for end in (points[:, 0].min(), points[:, 0].max())]
     for body in scene.get("bodies", []):
         ends += [body["lower"][0], body["upper"][0]]
     if scene["map"]:
         ends += [sign * scene["map"]["nx"] * scene["map"]["dx"] / 2 for sign in (-1, 1)]
+    for port in scene.get("top", []):
+        ends += [port["x"] + sign * 2 * half_width(port["shape"], port["size"]) for sign in (-1, 1)] if port["kind"] == "port" else []
     if not ends or not max(ends) > min(ends):
         ends = [sign * scene["grid"]["nr"] * scene["grid"]["dr"] for sign in (-1, 1)]
     for beam in scene["beams"]:
@@ -166,6 +170,7 @@ def _depth(scene: dict[str, Any], depths: list[tuple[float, float]], width: floa
 def _beam_words(beam: dict[str, Any], number: str) -> str:
     """Returns the words that describe a beam in a picture."""
     size, words = beam["size"], {"gaussian": "Gaussian"}.get(beam["shape"], beam["shape"])
+    words = f"port {beam['port']}, {words}" if beam.get("port") else words
     if beam["shape"] in ("disk", "gaussian"):
         words += f", R = {size[0]:g} cm"
     elif beam["shape"] == "ring":
@@ -285,10 +290,10 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
     depths = [(float(line.pieces[..., 1].min()), float(line.pieces[..., 1].max())) for line in lines]
     top, bottom = _depth(scene, depths, right - left)
     bodies = [_body_pieces(body, f"{stem}.body{k}.obj") for k, body in enumerate(scene.get("bodies", []), 1)]
-    with drawing(style, (8.6, 5.2)):
+    with drawing(style, (12.0, 5.2) if scene.get("top", []) else (8.6, 5.2)):
         from matplotlib.figure import Figure
         figure = Figure(layout="constrained")
-        axes = figure.subplots()
+        plan, axes = figure.subplots(1, 2, width_ratios=[1, 1.5]) if scene.get("top", []) else (None, figure.subplots())
         axes.grid(False)
         if len(lines) > 2000:  # more lines would be one black area
             lines = [*lines[::-(-len(lines) // 2000)], lines[-1]]
@@ -304,13 +309,16 @@ def draw(scene: dict[str, Any], folder: str, path: str, style: Optional[str] = N
             last = max(depth, last + 0.045 * (bottom - top))
             axes.annotate(text, (x, last), (4, 0), textcoords="offset points", va="center", fontsize="small", color=COLOURS[0])
         frame = (left, right, top, bottom)
+        if plan is not None:
+            draw_plan(plan, scene)
+            draw_section(axes, scene.get("top", []), frame)
         words = []
         for k, beam in enumerate(scene["beams"]):
             _draw_beam(axes, beam, frame)
             words.append(_beam_words(beam, f"{k + 1}: " if len(scene["beams"]) > 1 else ""))
         for detector in _areas(scene):
             _draw_detector(axes, detector)
-        _label_detectors(axes, _areas(scene), frame)
+        _label_detectors(axes, [detector for detector in _areas(scene) if not detector.get("port")], frame)  # the plan names ports
         if scene["map"]:
             reach = scene["map"]["nx"] * scene["map"]["dx"] / 2
             for x in (-reach, reach):

@@ -69,7 +69,7 @@ FOREIGN = {
     "sys/ioctl.h": "src/cli/run/progress",
     "signal.h": "src/run/stop",
     "mpi.h": "src/run/cluster_parts",
-    "pthread.h": "src/engine/engine src/engine/threads src/run/cluster_parts src/run/run src/run/work_ranges",
+    "pthread.h": "src/engine/engine src/engine/threads src/output/files/hdf5_file src/run/cluster_parts src/run/run src/run/work_ranges src/surface/mesh/mesh_surface",
     "sched.h": "src/engine/threads src/run/cluster_service src/run/launcher",
     "zlib.h": "src/base/atomic_file src/output/files/hdf5_head src/run/checkpoint src/run/identity src/scene/checksum src/scene/phase",
     "sys/mman.h": "src/tally/tally",

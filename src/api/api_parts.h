@@ -17,8 +17,9 @@ struct clm_scene {
     struct cml_api_words words;
     struct cml_options options;
     struct cml_scene_list list;
-    struct cml_inputs inputs;       /* bytes of all files */
-    struct cml_settings **settings; /* [list.count] settings of each run; NULL: those of the options */
+    struct cml_inputs inputs;         /* bytes of all files */
+    struct cml_settings **settings;   /* [list.count] settings of each run; NULL: those of the options */
+    struct cml_surface_set *surfaces; /* [list.count] surfaces of each run that was opened, to be shared */
 };
 
 /* The last error of this thread, and the receiver of its notes. */

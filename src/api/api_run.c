@@ -57,6 +57,19 @@ static void on_note(void *context, const char *text)
     run->notes.to(run->notes.context, text);
 }
 
+/* Makes the surfaces of a run, and shares those of runs before that have the same shapes. */
+static cml_status prepare(struct clm_run *run, struct cml_surface_set *shared, struct cml_error *err)
+{
+    struct cml_surface_options options = run->options.surface;
+    struct cml_surface_set kept;
+    CML_TRY(cml_prepare(&run->options, shared->count > 0 ? shared : NULL, &run->prepared, err));
+    options.shared = &run->prepared.surfaces;
+    CML_TRY(cml_surfaces_create(&run->scene, &options, &kept, err));
+    cml_surfaces_free(shared);
+    *shared = kept;
+    return CML_OK;
+}
+
 static cml_status open_run(struct clm_scene *scene, int index, const char *const *options,
                            struct clm_run *run, struct cml_error *err)
 {
@@ -74,7 +87,7 @@ static cml_status open_run(struct clm_scene *scene, int index, const char *const
     setup->cancelled = is_cancelled;
     setup->on_note = on_note;
     setup->context = run;
-    CML_TRY(cml_prepare(&run->options, NULL, &run->prepared, err));
+    CML_TRY(prepare(run, &scene->surfaces[index], err));
     return cml_note_beam(&run->scene, &run->prepared.surfaces, NULL, err);
 }
 

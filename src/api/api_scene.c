@@ -5,6 +5,7 @@
 #include "base/version.h"
 #include "cli/options/options_parse.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,6 +31,8 @@ CML_API const char *clm_version(void)
 
 CML_API const char *clm_error(void)
 {
+    for (char *c = cml_api_error.text; *c; c++)
+        if (iscntrl((unsigned char)*c)) *c = '?';
     return cml_api_error.text;
 }
 
@@ -66,8 +69,8 @@ static const struct {
              {"aim", false},          {"ignore-absorption", false},
              {"no-reentry", false},   {"ignore-heightfields", true},
              {"boundaries", true},    {"tolerance", true},
-             {"mesh-budget", true},   {"normals", false},
-             {"rings", false},        {"mesh-search", false},
+             {"mesh-budget", true},   {"normals", true},
+             {"rings", true},         {"mesh-search", true},
              {"engine", false},       {"threads", false},
              {"chunk", false},        {"device", false},
              {"group", false},        {"build-options", false}};
@@ -180,14 +183,23 @@ cml_status cml_api_check_run(const struct clm_scene *scene, int run, struct cml_
     return cml_fail(err, CML_E_INPUT, "run %d (expected 0 to %d)", run, scene->list.count - 1);
 }
 
-static cml_status set(struct clm_scene *scene, int run, const char *name, const char *value,
-                      struct cml_error *err)
+/* True if a scene still has the shapes that its surfaces were made for. */
+static bool has_same_shapes(const struct cml_scene *one, const struct cml_scene *other)
+{
+    for (int b = 0; b <= one->num_layers; b++)
+        if (one->boundaries[b].users != other->boundaries[b].users) return false;
+    return one->bodies == other->bodies;
+}
+
+/* Sets the texts of `count` numbers at once. */
+static cml_status set(struct clm_scene *scene, int run, int count, const char *const *name,
+                      const char *const *value, struct cml_error *err)
 {
     struct cml_settings *settings = NULL;
     struct cml_scene changed;
     CML_TRY(cml_api_check_run(scene, run, err));
     cml_status status = copy_settings(cml_api_settings(scene, run), &settings, err);
-    if (status == CML_OK) status = put(settings, name, value, err);
+    for (int i = 0; status == CML_OK && i < count; i++) status = put(settings, name[i], value[i], err);
     if (status == CML_OK)
         status = cml_copy_scene(&scene->options, settings, NULL, &scene->inputs, &scene->list.scenes[run],
                                 &changed, err);
@@ -195,6 +207,7 @@ static cml_status set(struct clm_scene *scene, int run, const char *name, const 
         free_settings(settings);
         return status;
     }
+    if (!has_same_shapes(&scene->list.scenes[run], &changed)) cml_surfaces_free(&scene->surfaces[run]);
     cml_scene_clear(&scene->list.scenes[run]);
     free_settings(scene->settings[run]);
     scene->list.scenes[run] = changed;
@@ -205,15 +218,30 @@ static cml_status set(struct clm_scene *scene, int run, const char *name, const 
 CML_API int clm_scene_set(struct clm_scene *scene, int run, const char *name, const char *value)
 {
     CML_API_CALL();
-    return set(scene, run, name, value, &cml_api_error);
+    return set(scene, run, 1, &name, &value, &cml_api_error);
+}
+
+enum { DIGITS = 32 }; /* size of a number as text */
+
+CML_API int clm_scene_set_numbers(struct clm_scene *scene, int run, int count, const char *const *name,
+                                  const double *value)
+{
+    char digits[CML_MOST_SETTINGS][DIGITS];
+    const char *text[CML_MOST_SETTINGS];
+    CML_API_CALL();
+    if (count < 0 || count > CML_MOST_SETTINGS)
+        return cml_fail(&cml_api_error, CML_E_INPUT, "%d numbers (expected at most %d)", count,
+                        CML_MOST_SETTINGS);
+    for (int i = 0; i < count; i++) {
+        snprintf(digits[i], DIGITS, "%.17g", value[i]);
+        text[i] = digits[i];
+    }
+    return set(scene, run, count, name, text, &cml_api_error);
 }
 
 CML_API int clm_scene_set_number(struct clm_scene *scene, int run, const char *name, double value)
 {
-    char text[40];
-    CML_API_CALL();
-    snprintf(text, sizeof text, "%.17g", value);
-    return set(scene, run, name, text, &cml_api_error);
+    return clm_scene_set_numbers(scene, run, 1, &name, &value);
 }
 
 /* ---- scenes ---- */
@@ -222,7 +250,8 @@ static cml_status load(struct clm_scene *scene, struct cml_error *err)
 {
     CML_TRY(cml_load_scenes_as_run(&scene->options, &scene->list, &scene->inputs, err));
     scene->settings = calloc((size_t)scene->list.count, sizeof *scene->settings);
-    return scene->settings ? CML_OK : cml_fail_memory(err, 8.0 * scene->list.count, "settings");
+    scene->surfaces = calloc((size_t)scene->list.count, sizeof *scene->surfaces);
+    return scene->settings && scene->surfaces ? CML_OK : cml_fail_memory(err, scene->list.count, "runs");
 }
 
 /* Reads the scene `path`; text: what the file would hold; NULL: it is read. */
@@ -260,8 +289,12 @@ CML_API int clm_scene_parse(const char *text, const char *beside, const char *co
 CML_API void clm_scene_free(struct clm_scene *scene)
 {
     if (!scene) return;
-    for (int i = 0; scene->settings && i < scene->list.count; i++) free_settings(scene->settings[i]);
+    for (int i = 0; scene->surfaces && i < scene->list.count; i++) {
+        free_settings(scene->settings[i]);
+        cml_surfaces_free(&scene->surfaces[i]);
+    }
     free(scene->settings);
+    free(scene->surfaces);
     cml_scene_list_clear(&scene->list);
     cml_inputs_clear(&scene->inputs);
     cml_api_words_clear(&scene->words);

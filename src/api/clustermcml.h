@@ -72,6 +72,9 @@ int clm_scene_runs(const struct clm_scene *scene); /* number of runs in the file
  * checked; after a failure it is what it was before. */
 int clm_scene_set(struct clm_scene *scene, int run, const char *name, const char *value);
 int clm_scene_set_number(struct clm_scene *scene, int run, const char *name, double value);
+/* Sets `count` numbers at once, which may be wrong one by one. */
+int clm_scene_set_numbers(struct clm_scene *scene, int run, int count, const char *const *name,
+                          const double *value);
 
 /* ---- runs ---- */
 
@@ -79,8 +82,9 @@ int clm_scene_set_number(struct clm_scene *scene, int run, const char *name, dou
 struct clm_run;
 
 /* Makes the surfaces of a run, and checks its memory. Its options replace those of the scene; those that
- * decide how files are read (set, tolerance, mesh-budget, boundaries, ignore-heightfields) belong to the
- * scene. On failure *run is NULL. */
+ * decide how shapes are read and represented (set, tolerance, mesh-budget, mesh-search, boundaries, normals,
+ * rings, ignore-heightfields) belong to the scene. Runs of a scene share their surfaces while these are the
+ * same. On failure *run is NULL. */
 int clm_run_open(struct clm_scene *scene, int run, const char *const *options, struct clm_run **out);
 void clm_run_free(struct clm_run *run); /* NULL: nothing is done */
 

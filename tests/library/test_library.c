@@ -119,6 +119,20 @@ static void numbers_are_set_again_and_again(void **state)
     clm_scene_free(scene);
 }
 
+/* A ring of radii 0.1 to 0.2 becomes one of 0.3 to 0.4: neither radius can be set alone. */
+static void numbers_that_belong_together_are_set_at_once(void **state)
+{
+    (void)state;
+    const char *const names[] = {"detector.r1", "detector.r2"};
+    const double radii[] = {0.3, 0.4};
+    struct clm_scene *scene = parsed(
+        "1.0\n1\na.mco A\n200\n0.01 0.02\n20 15 3\ndetector ring 0.1 0.2\n1\n1.0\n1.4 1 90 0.8 0.2\n1.0\n");
+    assert_int_equal(clm_scene_set_number(scene, 0, names[0], radii[0]), CLM_E_INPUT);
+    require(clm_scene_set_numbers(scene, 0, 2, names, radii));
+    assert_int_equal(clm_scene_set_numbers(scene, 0, 1000, names, radii), CLM_E_INPUT);
+    clm_scene_free(scene);
+}
+
 static void options_of_files_are_refused(void **state)
 {
     (void)state;
@@ -326,6 +340,7 @@ int main(void)
         cmocka_unit_test(a_run_needs_its_scene_no_more),
         cmocka_unit_test(a_refused_number_leaves_the_scene),
         cmocka_unit_test(numbers_are_set_again_and_again),
+        cmocka_unit_test(numbers_that_belong_together_are_set_at_once),
         cmocka_unit_test(options_of_files_are_refused),
         cmocka_unit_test(a_cancelled_run_stops_no_other),
         cmocka_unit_test(twenty_threads_build_and_fly_meshes_at_once),

@@ -15,6 +15,8 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
+WHOLE = ("photons", "seed", "run", "covers", "found", "limit")  # attributes that are whole numbers, which a file stores as floating-point numbers
+MEASURED = ("seconds", "cpu_s", "steps", "photons_per_s", "threads", "ranks")  # keys of --json that become attributes
 OF_DETECTED = re.compile(r"(detector_\w+)_(path|interactions|momentum|deepest)")  # means over the packets that a detector has seen
 
 

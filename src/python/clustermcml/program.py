@@ -372,8 +372,8 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
 
     Args:
         scene: A Scene, or the path of an `.mci` file with one run.
-        output_dir: Folder in which results and checkpoints stay; it is made where it is missing. None removes them after they are read.
-            Calls at the same time need folders of their own.
+        output_dir: Folder in which results and checkpoints stay; it is made where it is missing. Calls at the same time need folders of their own.
+            None: the run flies in this process without files, or by the program in a temporary folder where the library lacks something.
         progress: Whether to show a progress bar; None shows one in notebooks and terminals.
         **options: Options of the program, with underscores: photons=1e6, seed=2, threads=4, target_error=1e-3, engine="reference",
             no_reentry=True, set={"layer1.mua": 0.5}. `clustermcml help run` lists them.
@@ -384,7 +384,7 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
     Raises:
         InputError: The scene or an option is refused; the text is the program's.
         ClustermcmlError: The run has failed.
-        KeyboardInterrupt: The program was stopped. With output_dir its checkpoint stays, and the same call with resume=True continues.
+        KeyboardInterrupt: The run was stopped. With output_dir its checkpoint stays, and the same call with resume=True continues.
     """
     if isinstance(scene, Scene) and scene.saved and output_dir is None:
         raise errors.refuse("output_dir", output_dir, "a folder: the file of saved photons stays there")

@@ -250,8 +250,8 @@ cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct
 
 /* ---- safe from a crash of the machine ---- */
 
-/* Files that are committed but not yet synced. Only the thread that writes files uses them. */
-static struct {
+/* Files of this thread that are committed but not yet synced. */
+static _Thread_local struct {
     bool on;
     size_t count, capacity;
     char **path; /* [count] final names of the files */

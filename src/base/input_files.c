@@ -17,10 +17,10 @@ static char *copy_data(const char *data, size_t size)
     return copy;
 }
 
-/* Adds a copy of a file to `inputs`. The entry is counted even if one of its copies failed, so that
+/* The entry is counted even if one of its copies failed, so that
  * cml_inputs_clear frees the other copy. */
-static cml_status append(struct cml_inputs *inputs, const char *path, const char *data, size_t size,
-                         struct cml_error *err)
+cml_status cml_inputs_add(struct cml_inputs *inputs, const char *path, const char *data, size_t size,
+                          struct cml_error *err)
 {
     CML_TRY(
         cml_array_grow(&inputs->item, inputs->count, sizeof *inputs->item, "a copy of an input file", err));
@@ -55,7 +55,7 @@ static cml_status record(void *context, const char *path, size_t most, char **da
     const struct cml_input *known = find(context, path);
     if (known) return give_copy(known, data, size, err);
     CML_TRY(cml_text_read_file(path, most, data, size, err));
-    return append(context, path, *data, *size, err);
+    return cml_inputs_add(context, path, *data, *size, err);
 }
 
 /* Finds a file that rank 0 has sent (a struct cml_text_source). Returns CML_E_INPUT for any other path. */
@@ -104,7 +104,7 @@ cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *
         block += strlen(path) + 1;
         memcpy(&length, block, sizeof length);
         block += sizeof length;
-        CML_TRY(append(inputs, path, block, length, err));
+        CML_TRY(cml_inputs_add(inputs, path, block, length, err));
         block += length;
     }
     return CML_OK;

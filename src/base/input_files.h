@@ -22,6 +22,10 @@ struct cml_text_source cml_inputs_recorder(struct cml_inputs *inputs);
 /* Returns a source that finds files in `inputs` only, and returns CML_E_INPUT for any other path. */
 struct cml_text_source cml_inputs_replayer(struct cml_inputs *inputs);
 
+/* Adds a copy of data[size] as the file `path`. CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_inputs_add(struct cml_inputs *inputs, const char *path, const char *data,
+                                        size_t size, struct cml_error *err);
+
 /* Packs all files into one block, which the caller frees. Returns CML_E_INPUT if memory runs out. */
 CML_NODISCARD cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size,
                                          struct cml_error *err);

@@ -1,5 +1,6 @@
 /* Reference counts for objects that several holders share and nobody changes. Each count has memory of its
- * own. A NULL count belongs to an object with one holder. Not safe for several threads.
+ * own. A NULL count belongs to an object with one holder. Several threads may share and end at once; only one
+ * may begin.
  * SPDX-License-Identifier: MIT */
 #pragma once
 
@@ -22,14 +23,14 @@ CML_NODISCARD static inline cml_status cml_share_begin(int **users, struct cml_e
 /* Adds one holder to the reference count of a shared object. */
 static inline void cml_share(int *users)
 {
-    if (users) ++*users;
+    if (users) __atomic_add_fetch(users, 1, __ATOMIC_RELAXED);
 }
 
 /* Removes one holder from the reference count of a shared object. Returns true for the last holder, who must
  * free the object. */
 static inline bool cml_share_end(int *users)
 {
-    if (users && --*users > 0) return false;
+    if (users && __atomic_sub_fetch(users, 1, __ATOMIC_ACQ_REL) > 0) return false;
     free(users);
     return true;
 }

@@ -267,7 +267,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;
-    struct cml_inputs inputs;
+    struct cml_inputs inputs = {0};
     CML_TRY(cml_load_scenes_as_run(options, &list, &inputs, err));
     struct cml_sweep_size sweep;
     struct cml_options flown = *options;

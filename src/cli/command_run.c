@@ -7,6 +7,7 @@
 #include "cli/run/aim.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
+#include "cli/run/prepare.h"
 #include "cli/run/sweep.h"
 #include "cli/run/sweep_flights.h"
 #include "run/cluster/cluster.h"
@@ -124,29 +125,6 @@ static cml_status check_folder(const char *name, struct cml_error *err)
     return cml_fail(err, CML_E_INPUT, "run: -o %.200s (expected a folder; --output names the result)", name);
 }
 
-/* Refuses --derivatives beside options and engines that keep no scores for derivatives. */
-static cml_status check_derivatives(const struct cml_options *options, struct cml_error *err)
-{
-    const char *beside = options->reweight             ? "--reweight"
-                         : !options->engine->reweights ? "--engine opencl"
-                                                       : NULL;
-    if (!options->engine_options.derivatives || !beside) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "--derivatives (expected no %s beside it)", beside);
-}
-
-/* Refuses --derivatives for a scene with time gates, whose arrays have no derivatives. */
-static cml_status check_differentiated(const struct cml_options *options, const struct cml_scene_list *list,
-                                       struct cml_error *err)
-{
-    for (int i = 0; options->engine_options.derivatives && i < list->count; i++) {
-        const struct cml_scene *scene = &list->scenes[i];
-        if (scene->time.gates > 0)
-            return cml_fail(err, CML_E_INPUT, "%s:%d: a time line and --derivatives (expected no such line)",
-                            scene->file, scene->time.line);
-    }
-    return CML_OK;
-}
-
 /* Refuses options beside --part that need the whole run, and a command line that cannot be repeated. */
 static cml_status check_part(const struct cml_options *options, struct cml_error *err)
 {
@@ -171,11 +149,9 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
     if (options->keep && options->target_error > 0)
         return cml_fail(err, CML_E_INPUT, "--%s (expected no --target-error beside it)",
                         options->more > 0 ? "more" : "keep");
-    if (options->error_of && options->target_error == 0)
-        return cml_fail(err, CML_E_INPUT, "--error-of (expected --target-error beside it)");
     if (options->more > 0 && options->photons > 0)
         return cml_fail(err, CML_E_INPUT, "--more (expected no --photons beside it)");
-    CML_TRY(check_derivatives(options, err));
+    CML_TRY(cml_check_flight_options(options, err));
     CML_TRY(check_part(options, err));
     return cml_sweep_check_options(options, err);
 }
@@ -251,7 +227,9 @@ cml_status cml_command_run(const struct cml_options *options, struct cml_error *
     mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
-    cml_status status = check_differentiated(&mine, &session.list, err);
+    cml_status status = CML_OK;
+    for (int i = 0; status == CML_OK && i < session.list.count; i++)
+        status = cml_check_differentiated(&mine, &session.list.scenes[i], err);
     if (status == CML_OK)
         status =
             options->sweep ? cml_sweep(&mine, &session.list, &inputs, err) : run_file(&session, &inputs, err);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "exact/exact.h"
+#include "result/h5.h"
 #include "result/outcome.h"
 #include "result/timing.h"
 #include "scene/flat_tail.h"
@@ -68,6 +69,20 @@ CML_NODISCARD cml_status cml_report_each_file(const struct cml_scene *scene,
 /* Writes all files of a run. Each file is the old or the complete new one at any moment. report->files lists
  * the files. CML_E_IO when a file could not be written; those before it are complete. */
 CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err);
+
+/* The arrays and attributes of a run as its .h5 has them, without a file. */
+struct cml_report_arrays {
+    const struct cml_field *field; /* [num_fields] arrays; values are computed when they are asked for */
+    int num_fields, num_attributes;
+    struct cml_attribute attribute[CML_H5_MOST_ATTRIBUTES];
+    void *lists; /* owner of all that the members above point to */
+};
+
+/* Makes report->outcome, and lists the arrays. The report must outlive the list; the caller clears both, also
+ * on failure. */
+CML_NODISCARD cml_status cml_report_arrays(struct cml_report *report, struct cml_report_arrays *arrays,
+                                           struct cml_error *err);
+void cml_report_arrays_clear(struct cml_report_arrays *arrays);
 
 /* Frees the outcome and the list of files. */
 void cml_report_clear(struct cml_report *report);

@@ -164,19 +164,58 @@ static void fill_list(struct cml_field_list *list)
     }
 }
 
-/* Writes the .h5. Values are computed while they are written, so only the list of fields is in memory. The
- * file names other files as the scene does. */
+/* Lists what the .h5 has beside the outcome. The file names other files as the scene does. */
+static cml_status begin_h5(struct cml_report *report, struct cml_field_list *list, struct cml_h5_more *more,
+                           struct cml_error *err)
+{
+    CML_TRY(cml_report_words(report, CML_READ_IN_H5, err));
+    CML_TRY(cml_field_list_create(report, list, err));
+    fill_list(list);
+    *more = (struct cml_h5_more){.input = report->scene->text,
+                                 .field = list->fields,
+                                 .num_fields = list->num_fields,
+                                 .call = {report->command, report->scene->file}};
+    return CML_OK;
+}
+
+/* Writes the .h5. Values are computed while they are written, so only the list of fields is in memory. */
 static cml_status write_h5(struct cml_report *report, const char *path, struct cml_error *err)
 {
     CML_AT_END(cml_field_list_free) struct cml_field_list list = {0};
-    CML_TRY(cml_report_words(report, CML_READ_IN_H5, err));
-    CML_TRY(cml_field_list_create(report, &list, err));
-    fill_list(&list);
-    const struct cml_h5_more more = {.input = report->scene->text,
-                                     .field = list.fields,
-                                     .num_fields = list.num_fields,
-                                     .call = {report->command, report->scene->file}};
+    struct cml_h5_more more;
+    CML_TRY(begin_h5(report, &list, &more, err));
     return cml_h5_write(path, &report->outcome, &more, err);
+}
+
+struct lists {
+    struct cml_field_list list;
+    struct cml_h5_fields fields;
+};
+
+cml_status cml_report_arrays(struct cml_report *report, struct cml_report_arrays *arrays,
+                             struct cml_error *err)
+{
+    struct cml_h5_more more;
+    struct lists *lists = calloc(1, sizeof *lists);
+    *arrays = (struct cml_report_arrays){.lists = lists};
+    if (!lists) return cml_fail_memory(err, sizeof *lists, "a list of arrays");
+    CML_TRY(cml_report_outcome(report, err));
+    CML_TRY(begin_h5(report, &lists->list, &more, err));
+    CML_TRY(cml_h5_fields_create(&report->outcome, &more, &lists->fields, err));
+    arrays->field = lists->fields.field;
+    arrays->num_fields = lists->fields.count;
+    arrays->num_attributes = cml_h5_attributes(&report->outcome, &more, arrays->attribute);
+    return CML_OK;
+}
+
+void cml_report_arrays_clear(struct cml_report_arrays *arrays)
+{
+    struct lists *lists = arrays->lists;
+    if (!lists) return;
+    cml_h5_fields_free(&lists->fields);
+    cml_field_list_free(&lists->list);
+    free(lists);
+    *arrays = (struct cml_report_arrays){0};
 }
 
 /* Fills the list with the fields of the map, and of the boundaries that are planes: facets of a plane are the

@@ -214,8 +214,10 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     const struct cml_json_list lists[] = {{"beams", report->scene->num_beams, cml_json_beam},
                                           {"boundaries", report->surfaces->count, cml_json_boundary},
                                           {"bodies", report->scene->num_bodies, cml_json_body}};
-    json_t *object = json_pack("{s:o, s:o, s:s}", "scene", cml_json_name(report->scene->file), "output",
-                               cml_json_name(report->files[0]), "engine", provenance->engine);
+    json_t *object =
+        json_pack("{s:o, s:o, s:s}", "scene", cml_json_name(report->scene->file), "output",
+                  cml_json_name(report->num_files > 0 ? report->files[0] : report->scene->output), "engine",
+                  provenance->engine);
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
     cml_json_set_integer(object, "photons", report->sums->photons);
     set_option(object, provenance, CML_DECIDES_seed);

@@ -19,6 +19,20 @@ struct cml_h5_more {
     int num_attributes;
 };
 
+/* The arrays of an .h5 file, and the axes that they share. It points to itself, so it must not move. */
+struct cml_h5_fields {
+    struct cml_axis axis[CML_NUM_AXES];
+    struct cml_field *field; /* [count] fields */
+    int count;
+};
+
+/* Lists the arrays of an .h5 file: the quantities of the outcome, then those of `more`, whose values are
+ * computed when they are asked for. outcome and more must outlive the list. */
+CML_NODISCARD cml_status cml_h5_fields_create(const struct cml_outcome *outcome,
+                                              const struct cml_h5_more *more, struct cml_h5_fields *fields,
+                                              struct cml_error *err);
+void cml_h5_fields_free(struct cml_h5_fields *fields);
+
 /* Writes an .h5 file atomically. CML_E_IO on failure to write; CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_h5_write(const char *path, const struct cml_outcome *outcome,
                                       const struct cml_h5_more *more, struct cml_error *err);

@@ -9,15 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The fields of a file, and the axes that they share. */
-struct fields {
-    struct cml_axis axis[CML_NUM_AXES];
-    struct cml_field *field;
-    int count;
-};
-
-/* Sets the axes of the .h5's fields: the middles of bins; layers and bodies are numbered from 1. */
-static void set_axes(struct fields *f, const struct cml_outcome *o)
+/* Sets the axes to the middles of bins. Layers and bodies are numbered from 1. */
+static void set_axes(struct cml_h5_fields *f, const struct cml_outcome *o)
 {
     const double da = cml_angle_width(o->na);
     const double width[CML_NUM_AXES] = {[CML_AXIS_r] = o->dr,
@@ -53,7 +46,7 @@ static bool is_written(const struct cml_outcome *o, enum cml_quantity quantity)
 
 /* Adds the centres of the bins of depth as a field. An .h5 without absorption has the field, too, so that it
  * has the axes of the .mco. */
-static void add_depths(struct fields *f)
+static void add_depths(struct cml_h5_fields *f)
 {
     struct cml_field *depths = &f->field[f->count++];
     *depths = (struct cml_field){.num_axes = 1, .axis = {&f->axis[CML_AXIS_z]}};
@@ -61,7 +54,8 @@ static void add_depths(struct fields *f)
 }
 
 /* Adds one part of a quantity as a field, and its standard errors as another. */
-static void add_part(struct fields *f, const struct cml_outcome *o, enum cml_quantity quantity, int part)
+static void add_part(struct cml_h5_fields *f, const struct cml_outcome *o, enum cml_quantity quantity,
+                     int part)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
     const size_t first = (size_t)part * cml_outcome_part_size(o, quantity);
@@ -80,8 +74,7 @@ static void add_part(struct fields *f, const struct cml_outcome *o, enum cml_qua
     errors->context = o->error[quantity] + first;
 }
 
-/* True if a field of this name is in the list already. */
-static bool has_field(const struct fields *f, const char *name)
+static bool has_field(const struct cml_h5_fields *f, const char *name)
 {
     for (int i = 0; i < f->count; i++)
         if (strcmp(f->field[i].name, name) == 0) return true;
@@ -121,14 +114,28 @@ int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *mor
     return (int)(a - attributes);
 }
 
-/* Writes a result's .h5: the attributes of the outcome, those of the caller (`more`), and the fields. */
-static cml_status write_fields(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
-                               const struct fields *f, struct cml_error *err)
+cml_status cml_h5_fields_create(const struct cml_outcome *o, const struct cml_h5_more *more,
+                                struct cml_h5_fields *f, struct cml_error *err)
 {
-    struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES + CML_H5_MORE_ATTRIBUTES];
-    int count = cml_h5_attributes(o, more, attributes);
-    for (int i = 0; i < more->num_attributes; i++) attributes[count++] = more->attribute[i];
-    return cml_hdf5_write(path, attributes, count, &more->call, f->field, f->count, err);
+    const size_t most =
+        2 * (size_t)CML_NUM_QUANTITIES * (1 + (size_t)o->num_detectors) + (size_t)more->num_fields;
+    *f = (struct cml_h5_fields){.field = calloc(most, sizeof *f->field)};
+    if (!f->field) return cml_fail_memory(err, (double)(most * sizeof *f->field), "a list of fields");
+    set_axes(f, o);
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+        for (int part = 0;
+             is_written(o, (enum cml_quantity)i) && part < cml_outcome_parts(o, (enum cml_quantity)i); part++)
+            add_part(f, o, (enum cml_quantity)i, part);
+    if (lacks_absorption(o)) add_depths(f);
+    for (int i = 0; i < more->num_fields; i++)
+        if (!has_field(f, more->field[i].name)) f->field[f->count++] = more->field[i];
+    return CML_OK;
+}
+
+void cml_h5_fields_free(struct cml_h5_fields *f)
+{
+    free(f->field);
+    *f = (struct cml_h5_fields){0};
 }
 
 /* Writes the .h5 of a result: all its quantities, and the fields in `more`, whose values are computed while
@@ -136,19 +143,10 @@ static cml_status write_fields(const char *path, const struct cml_outcome *o, co
 cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                         struct cml_error *err)
 {
-    const size_t most =
-        2 * (size_t)CML_NUM_QUANTITIES * (1 + (size_t)o->num_detectors) + (size_t)more->num_fields;
-    struct fields f = {.field = calloc(most, sizeof *f.field)};
-    if (!f.field) return cml_fail_memory(err, (double)(most * sizeof *f.field), "a list of fields");
-    set_axes(&f, o);
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
-        for (int part = 0;
-             is_written(o, (enum cml_quantity)i) && part < cml_outcome_parts(o, (enum cml_quantity)i); part++)
-            add_part(&f, o, (enum cml_quantity)i, part);
-    if (lacks_absorption(o)) add_depths(&f);
-    for (int i = 0; i < more->num_fields; i++)
-        if (!has_field(&f, more->field[i].name)) f.field[f.count++] = more->field[i];
-    const cml_status status = write_fields(path, o, more, &f, err);
-    free(f.field);
-    return status;
+    CML_AT_END(cml_h5_fields_free) struct cml_h5_fields f = {.count = 0};
+    CML_TRY(cml_h5_fields_create(o, more, &f, err));
+    struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES + CML_H5_MORE_ATTRIBUTES];
+    int count = cml_h5_attributes(o, more, attributes);
+    for (int i = 0; i < more->num_attributes; i++) attributes[count++] = more->attribute[i];
+    return cml_hdf5_write(path, attributes, count, &more->call, f.field, f.count, err);
 }

@@ -198,8 +198,8 @@ static bool get(struct source *source, void *data, uint64_t count, size_t size)
 /* Compares the whole file with the checksum at its end, and goes back to the beginning. */
 static cml_status check_sum(struct source *source, struct cml_error *err)
 {
-    enum { BLOCK = 1 << 16 };
-    static unsigned char block[BLOCK];
+    enum { BLOCK = 1 << 14 };
+    unsigned char block[BLOCK];
     uint64_t stored = 0;
     uLong sum = crc32(0, NULL, 0);
     for (uint64_t left = source->left; left > 0;) {

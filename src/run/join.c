@@ -177,7 +177,7 @@ static void add_saved(struct cml_saved *to, struct cml_saved *from)
 }
 
 /* Adds the sums of a part to those of the parts before. */
-static void add_result(struct cml_result *to, struct cml_result *from)
+void cml_run_add(struct cml_result *to, struct cml_result *from)
 {
     size_t cells = 0;
     const cml_u128 *more = cml_result_cells(from, &cells);
@@ -215,7 +215,7 @@ static cml_status add_part(const struct cml_run_setup *setup, const struct cml_p
     cml_status status =
         cml_checkpoint_read(file->path, setup->identity, &kind, &state, one, true, &record, &note, err);
     if (status == CML_OK) status = check_finished(file, &state.open, err);
-    if (status == CML_OK) add_result(&out->result, one);
+    if (status == CML_OK) cml_run_add(&out->result, one);
     out->state.seconds += state.seconds;
     cml_ranges_clear(&state.open);
     cml_record_clear(&record);

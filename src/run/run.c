@@ -115,12 +115,13 @@ static cml_status take_range(struct flight *flight, struct cml_error *err)
     return CML_OK;
 }
 
-/* True if the run must stop: it has flown longer than most_seconds; or, where a checkpoint keeps its photons,
- * a signal came or ranks are recalled (cluster.h). */
+/* True if the run must stop: it has flown longer than most_seconds, or its caller has cancelled it; or, where
+ * a checkpoint keeps its photons, a signal came or ranks are recalled (cluster.h). */
 static bool must_stop(const struct flight *flight)
 {
     const struct cml_run_setup *setup = flight->setup;
     if (setup->most_seconds > 0 && cml_now() - flight->begin > setup->most_seconds) return true;
+    if (setup->cancelled && setup->cancelled(setup->context)) return true;
     return setup->checkpoint && (cml_stop_requested() || cml_cluster_recalled());
 }
 
@@ -128,18 +129,18 @@ static bool must_stop(const struct flight *flight)
 static bool must_synchronise(struct flight *flight)
 {
     if (must_stop(flight))
-        cml_cluster_request_stop();
+        cml_cluster_request_stop(&flight->work.sync);
     else if (cml_now() > flight->due)
-        cml_cluster_request_sync();
-    return cml_cluster_sync_requested();
+        cml_cluster_request_sync(&flight->work.sync);
+    return cml_cluster_sync_requested(&flight->work.sync);
 }
 
 /* For struct cml_work: true if this rank or another one got a signal. */
 static bool stops(void *context)
 {
-    const struct flight *flight = context;
-    if (must_stop(flight)) cml_cluster_request_stop();
-    return cml_cluster_stop_requested();
+    struct flight *flight = context;
+    if (must_stop(flight)) cml_cluster_request_stop(&flight->work.sync);
+    return cml_cluster_stop_requested(&flight->work.sync);
 }
 
 /* True if there are packets in hand for the engine; takes the next range if the last one is used up. */
@@ -238,9 +239,11 @@ static void note_fewer_threads(void *context, int threads)
     flight->out->timing.threads = threads;
 }
 
-/* Fails with CML_E_STOPPED: the flight took longer than most_seconds. */
+/* Fails with CML_E_STOPPED: the flight was cancelled, or took longer than most_seconds. */
 static cml_status fail_late(const struct cml_run_setup *setup, struct cml_error *err)
 {
+    if (setup->cancelled && setup->cancelled(setup->context))
+        return cml_fail(err, CML_E_STOPPED, "%s: cancelled", setup->scene->output);
     return cml_fail(err, CML_E_STOPPED,
                     "%s: packets hardly end: %llu were not flown in %g s (plan --photons waits for them)",
                     setup->scene->output, (unsigned long long)setup->photons, setup->most_seconds);
@@ -357,7 +360,7 @@ static cml_status synchronise(struct flight *flight, cml_status mine, enum next_
 {
     struct hand *hand = &flight->hand;
     const double begin = cml_now();
-    CML_TRY(cml_cluster_synchronise(err));
+    CML_TRY(cml_cluster_synchronise(&flight->work.sync, err));
     const double all_here = cml_now();
     flight->report.waiting += all_here - begin;
     CML_TRY(cml_cluster_agree(mine, err));
@@ -432,7 +435,8 @@ static bool is_same_part(const struct cml_run_setup *setup, const struct cml_run
 static cml_status restore(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
-    struct cml_run_findings found = {.extends = setup->base > 0 && setup->part.count == 0,
+    struct cml_run_findings found = {.extends =
+                                         setup->base > 0 && setup->checkpoint && setup->part.count == 0,
                                      .resumes = setup->resume,
                                      .result_gone = setup->gone != NULL,
                                      .result_stands = setup->result_stands};
@@ -496,7 +500,7 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
     if (flight->out->intent == CML_RUN_EXTEND) return begin_after_base(flight, err);
     struct cml_run_state *state = &flight->state;
     if (flight->out->intent == CML_RUN_FRESH) {
-        state->begin = setup->base; /* photons of the run that a part extends; else 0 */
+        state->begin = setup->base; /* photons of the run that is extended; else 0 */
         state->end = flight->out->result.photons = first_round(setup);
         CML_TRY(
             cml_ranges_add(&state->open, (struct cml_range){state->begin, state->end - state->begin}, err));
@@ -563,14 +567,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
     return gather_reports(flight, err);
 }
 
-struct cml_tally_grid cml_run_grid(const struct cml_run_setup *setup)
-{
-    struct cml_tally_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
-    if (!(setup->target_error > 0)) grid.saved.limit = cml_most_saved(setup->scene, setup->photons);
-    return grid;
-}
-
-/* Flies all packets of a run. All members are cleared first, because closing what is zero does nothing. */
+/* Clears all members first, so that every step may fail: closing what is zero does nothing. */
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
     const struct cml_tally_grid grid = cml_run_grid(setup);

@@ -55,13 +55,16 @@ struct cml_run_setup {
     bool result_stands;
     /* Photons of the finished run that this one extends; 0: none. Its checkpoint, with tallies, must exist.
      * Photons base to `photons` - 1 are flown, and the result is that of one run of all. A part does not read
-     * the checkpoint of the finished run. */
+     * the checkpoint of the finished run. Neither does a run without a checkpoint: its result lacks the first
+     * `base` photons, until the caller adds them (cml_run_add). */
     uint64_t base;
     /* Identity of the finished run that is extended. */
     const char *base_identity;
     /* Called after every range of rank 0, some twice a second, from whichever thread ends the range. NULL: no
      * progress is shown. */
     cml_progress_function *on_progress;
+    /* Without a checkpoint: true ends the run within a second. Any thread calls it. NULL: never. */
+    bool (*cancelled)(void *context);
     /* NULL: no notes. */
     cml_note_function *on_note;
     void *context;
@@ -81,10 +84,14 @@ struct cml_run_result {
 /* Flies all photons of the run. Collective. The result is rank 0's; on other ranks it is zero. The caller
  * frees *out (cml_run_result_free); after a failure it is cleared already. Lost packets and an imbalance are
  * no failures here: see cml_run_verdict. CML_E_STOPPED: a signal came and the checkpoint was written, or the
- * flight took longer than most_seconds. */
+ * flight took longer than most_seconds, or was cancelled. */
 CML_NODISCARD cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out,
                                  struct cml_error *err);
 void cml_run_result_free(struct cml_run_result *out);
+
+/* Adds the sums of other photons of the same run, whose grid is the same. Changes the order of `from`'s saved
+ * packets. */
+void cml_run_add(struct cml_result *to, struct cml_result *from);
 
 /* Returns the grid of the run's tallies. */
 struct cml_tally_grid cml_run_grid(const struct cml_run_setup *setup);

@@ -1,4 +1,5 @@
-/* Two questions about a run beside its flight: may its result be trusted, and how much memory does it take?
+/* Questions about a run beside its flight: may its result be trusted, which sums does it have, and how much
+ * memory do they take?
  * SPDX-License-Identifier: MIT */
 #include "run/run.h"
 
@@ -18,6 +19,13 @@ cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_resul
         return cml_fail(err, CML_E_NUMERIC, "%s: %.0f of %.0f packets lost (at most 1 in 1e6 may be)",
                         scene->output, lost, photons);
     return CML_OK;
+}
+
+struct cml_tally_grid cml_run_grid(const struct cml_run_setup *setup)
+{
+    struct cml_tally_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
+    if (!(setup->target_error > 0)) grid.saved.limit = cml_most_saved(setup->scene, setup->photons);
+    return grid;
 }
 
 /* Counts the result, the tally that threads share, and the tally of each thread. Memory of the engine itself

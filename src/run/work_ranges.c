@@ -38,9 +38,9 @@ static struct cml_range take(struct cml_work_ranges *work, int rank, uint64_t wa
     struct cml_range range = {0};
     pthread_mutex_lock(&work->lock);
     work->flown += flown;
-    if (!cml_cluster_sync_requested()) {
+    if (!cml_cluster_sync_requested(&work->sync)) {
         range = cml_ranges_take(work->open, fair_count(work, rank, want));
-        if (range.count == 0) cml_cluster_request_sync();
+        if (range.count == 0) cml_cluster_request_sync(&work->sync);
     }
     pthread_mutex_unlock(&work->lock);
     return range;

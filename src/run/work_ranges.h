@@ -16,9 +16,11 @@
 #include "tally/ranges.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 
 struct cml_work_ranges {
+    atomic_int sync;         /* requested synchronisations of this run (cluster.h) */
     struct cml_ranges *open; /* on rank 0: photons not flown yet; borrowed */
     /* held around members that the service thread and the flying thread of rank 0 both use */
     pthread_mutex_t lock;

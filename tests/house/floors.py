@@ -48,6 +48,7 @@ ROOMS = {
     "src/cli/options": "src/input/keys src/engine src/engine/engines src/surface src/base",
     "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/run/cluster src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
     "src/cli/run": "src/aim src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/run/cluster src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/api": "src/cli/run src/cli/load src/cli/options src/output src/result src/output/files src/run src/run/cluster src/engine src/surface src/scene src/tally src/base",
     "src/cli": "src/aim src/cli/load src/cli/run src/cli/options src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/run/cluster src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
@@ -71,12 +72,13 @@ FOREIGN = {
     "signal.h": "src/run/stop",
     "mpi.h": "src/run/cluster/cluster_parts",
     "dlfcn.h": "src/run/cluster/cluster_load",
-    "pthread.h": "src/engine/engine src/engine/threads src/run/cluster/cluster_parts src/run/run src/run/work_ranges",
+    "pthread.h": "src/engine/engine src/engine/threads src/output/files/hdf5_file src/run/cluster/cluster_parts src/run/run src/run/work_ranges src/surface/mesh/mesh_surface",
     "sched.h": "src/engine/threads src/run/cluster/cluster_service src/run/cluster/launcher",
     "zlib.h": "src/base/atomic_file src/output/files/hdf5_head src/run/checkpoint src/run/identity src/scene/checksum src/scene/phase",
     "sys/mman.h": "src/tally/tally",
     "sys/prctl.h": "src/run/stop",
     "dirent.h": "src/base/atomic_file",
+    "locale.h": "src/api/api_parts",
 }
 COMMON = set("""assert.h complex.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h time.h fcntl.h sys/stat.h sys/types.h unistd.h""".split())

@@ -15,7 +15,7 @@ import os
 import re
 import sys
 
-TESTS = {"unit": "c", "cross": "c", "stat": "py", "long": "py", "files": "py", "cli": "sh", "cluster": "sh py",
+TESTS = {"unit": "c", "cross": "c", "stat": "py", "long": "py", "files": "py", "cli": "sh", "cluster": "sh py", "library": "c sh",
          "stability": "", "house": ""}  # the last two stand in tests/CMakeLists.txt
 REGISTRY = "tests/CMakeLists.txt"
 LIST = "tests/README.md"

@@ -63,7 +63,7 @@ class Stops(unittest.TestCase):
             resumed = mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=1.2e6, resume=True, output_dir=self.folder)
         self.assertEqual(started.call_count, 1, started.call_args_list)  # a large scene is loaded only once
         self.assertEqual(resumed.photons, 1200000)
-        xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=1.2e6))
+        xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=1.2e6, output_dir=os.path.join(self.folder, "whole")))
 
     def test_python_ends_first(self):
         """If Python is killed or runs in a thread, it cannot stop the program. The kernel then stops the program."""

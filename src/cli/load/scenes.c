@@ -38,10 +38,24 @@ cml_status cml_check_stack(struct cml_error *err)
                     (unsigned long long)stack.rlim_cur / 1024, LEAST_STACK);
 }
 
+/* The receiver of this thread's notes in place of standard error; NULL: none. */
+static _Thread_local struct cml_note_receiver receiver;
+
+struct cml_note_receiver cml_notes_go_to(struct cml_note_receiver to)
+{
+    const struct cml_note_receiver before = receiver;
+    receiver = to;
+    return before;
+}
+
 /* Prints a note on standard error, with the number of the rank unless it is rank 0. */
 void cml_show_note(void *context, const char *text)
 {
     (void)context;
+    if (receiver.to) {
+        receiver.to(receiver.context, text);
+        return;
+    }
     char who[32] = "";
     if (cml_cluster_rank() > 0) snprintf(who, sizeof who, "rank %d: ", cml_cluster_rank());
     fprintf(stderr, "clustermcml: note: %s", who);
@@ -157,7 +171,6 @@ cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_l
 cml_status cml_load_scenes_as_run(const struct cml_options *options, struct cml_scene_list *list,
                                   struct cml_inputs *inputs, struct cml_error *err)
 {
-    *inputs = (struct cml_inputs){0};
     const struct cml_text_source record = cml_inputs_recorder(inputs);
     const cml_status status = load(options, &record, list, err);
     if (status != CML_OK) cml_inputs_clear(inputs);

@@ -18,13 +18,21 @@ CML_NODISCARD cml_status cml_check_stack(struct cml_error *err);
 /* A cml_note_function: shows one line on standard error, on any rank. context: unused. */
 void cml_show_note(void *context, const char *text);
 
+/* Hands the notes that this thread would show to a receiver, and returns the receiver before. to NULL: they
+ * are shown. */
+struct cml_note_receiver {
+    cml_note_function *to;
+    void *context;
+};
+struct cml_note_receiver cml_notes_go_to(struct cml_note_receiver to);
+
 /* Reads the first operand as a list of scenes, flat if the options say so, and checks that shapes do not
  * overlap. CML_E_INPUT. */
 CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
                                          struct cml_error *err);
 
 /* Like cml_load_scenes, and keeps the bytes of the files in *inputs, as a run does: they count in its memory.
- * The caller clears *inputs. */
+ * Files that *inputs has already are not read. The caller clears *inputs. */
 CML_NODISCARD cml_status cml_load_scenes_as_run(const struct cml_options *options,
                                                 struct cml_scene_list *list, struct cml_inputs *inputs,
                                                 struct cml_error *err);

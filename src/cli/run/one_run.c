@@ -6,6 +6,7 @@
 #include "cli/load/scenes.h"
 #include "cli/run/aim.h"
 #include "cli/run/before.h"
+#include "cli/run/prepare.h"
 #include "cli/run/progress.h"
 #include "output/report.h"
 #include "run/cluster/cluster.h"
@@ -86,15 +87,6 @@ static cml_status publish(const struct cml_run_call *call, struct cml_report *re
     return status == CML_OK ? cml_run_verdict(report->scene, report->sums, err) : status;
 }
 
-/* Returns the options for a run of all photons: with --more also those flown before. */
-static struct cml_options all_photons(const struct cml_options *options, const struct cml_run_setup *setup)
-{
-    struct cml_options all = *options;
-    all.photons = setup->photons;
-    all.more = 0;
-    return all;
-}
-
 /* Prints the scene before the flight, so that wrong input shows in the first second and not after hours. */
 static void announce(const struct cml_options *options, const struct cml_run_setup *setup)
 {
@@ -109,7 +101,7 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(scene, b);
     if (setup->part.count > 0)
         printf("  part %" PRIu64 " of %" PRIu64 "\n", setup->part.number, setup->part.count);
-    const struct cml_options all = all_photons(options, setup);
+    const struct cml_options all = cml_all_photons(options, setup);
     cml_print_memory(&all, scene, setup->surfaces);
     fflush(stdout);
 }
@@ -149,12 +141,13 @@ static bool may_aim(const struct cml_run_setup *setup)
     return !setup->options.tail && !setup->options.windows && strcmp(setup->engine->name, "opencl") != 0;
 }
 
-/* Writes the result of a run on rank 0, and marks its checkpoint as finished, so that --resume skips the
- * run. With --keep the checkpoint also keeps the sums, and must be written. */
-static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
+/* Publishes a run on rank 0. Its checkpoint then says that the run is finished, so that --resume skips it;
+ * with --keep the checkpoint also has the tallies, and must be written. */
+static cml_status publish_run(const struct cml_run_call *call, const struct cml_prepared *prepared,
                               struct cml_run_result *run, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
+    const struct cml_run_setup *setup = &prepared->setup;
     if (cml_cluster_rank() != 0) return CML_OK;
     if (run->intent == CML_RUN_NOTHING_LEFT) {
         if (!setup->result_stands) CML_TRY(take_record(call, &run->record, record, err));
@@ -163,18 +156,10 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
         const bool says = !options->quiet && !options->json && call->row == 0;
         return says ? say_finished(call, setup, err) : CML_OK;
     }
-    struct cml_report report = {
-        .scene = setup->scene,
-        .surfaces = setup->surfaces,
-        .sums = &run->result,
-        .timing = &run->timing,
-        .provenance = setup->provenance,
-        .row = call->row,
-        .classic = options->classic,
-        .tail = setup->options.tail,
-        .flat_below = may_aim(setup) ? cml_aim_proposal(setup->scene, setup->surfaces, &run->result) : NAN,
-        .command = options->command};
-    cml_identity_sum(setup->identity, report.identity);
+    struct cml_report report = cml_prepared_report(prepared, run, options->command);
+    report.row = call->row;
+    report.classic = options->classic;
+    if (may_aim(setup)) report.flat_below = cml_aim_proposal(setup->scene, setup->surfaces, &run->result);
     if (call->row == 0 && !options->quiet && !options->json && may_aim(setup) && !setup->options.derivatives)
         report.unseen = cml_aim_unseen(setup->scene, setup->surfaces, &run->result);
     /* CML_RUN_REPUBLISH: the tallies of the checkpoint stay */
@@ -281,13 +266,10 @@ static cml_status publish_rows(const struct cml_run_call *call, const struct cml
     return worst;
 }
 
-/* The setup of cml_run, and the memory that belongs to it. */
+/* A run of the program: what it shares with the C library, and its checkpoint and files. */
 struct prepared {
-    struct cml_run_setup setup;
-    struct cml_surface_set surfaces;
-    struct cml_aim aim;
-    struct cml_provenance provenance;
-    char *checkpoint, *identity, *base_identity;
+    struct cml_prepared flight;
+    char *checkpoint, *base_identity;
     struct cml_before before; /* files that were there before the run, on rank 0 only */
 };
 
@@ -328,7 +310,7 @@ static cml_status look_at_parts(const struct cml_run_call *call, const struct cm
 static cml_status fly(const struct cml_run_call *call, const struct prepared *prepared,
                       struct cml_record *record, struct cml_error *err)
 {
-    const struct cml_run_setup *setup = &prepared->setup;
+    const struct cml_run_setup *setup = &prepared->flight.setup;
     struct cml_run_result run;
     if (cml_part_files_looking(call->options->joined)) return look_at_parts(call, setup, err);
     if ((setup->base == 0 || setup->part.count > 0) && cml_cluster_rank() == 0)
@@ -341,8 +323,8 @@ static cml_status fly(const struct cml_run_call *call, const struct prepared *pr
         cml_run_result_free(&run);
         return CML_OK;
     }
-    cml_status status =
-        call->rows ? publish_rows(call, setup, &run, err) : publish_run(call, setup, &run, record, err);
+    cml_status status = call->rows ? publish_rows(call, setup, &run, err)
+                                   : publish_run(call, &prepared->flight, &run, record, err);
     status = cml_cluster_agree(status, err);
     cml_run_result_free(&run);
     return status;
@@ -431,7 +413,7 @@ static cml_status plan_more_of(const struct cml_run_call *call, struct cml_run_s
 static cml_status plan_photons(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    struct cml_run_setup *setup = &run->setup;
+    struct cml_run_setup *setup = &run->flight.setup;
     cml_status status = CML_OK;
     if (uses_checkpoints(options, call->scene))
         status = cml_run_checkpoint(options, call->scene, &run->checkpoint, err);
@@ -461,18 +443,13 @@ static cml_status plan_photons(const struct cml_run_call *call, struct prepared 
 static cml_status identify(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    const char *settings = run->setup.scene->settings;
-    run->provenance = cml_run_provenance(&run->setup, &options->surface, options->ignore_heightfields);
-    run->provenance.aim = options->aim;
-    run->provenance.error_of = options->error_of;
-    run->setup.provenance = &run->provenance;
-    CML_TRY(cml_identity_of(&run->provenance, settings, call->inputs, &run->identity, err));
-    run->setup.identity = run->identity;
+    struct cml_run_setup *setup = &run->flight.setup;
+    CML_TRY(cml_prepared_identify(options, call->inputs, &run->flight, err));
     if (options->more == 0) return CML_OK;
-    struct cml_provenance before = run->provenance;
-    before.value[CML_DECIDES_photons] = (double)(run->setup.photons - options->more);
-    CML_TRY(cml_identity_of(&before, settings, call->inputs, &run->base_identity, err));
-    run->setup.base_identity = run->base_identity;
+    struct cml_provenance before = run->flight.provenance;
+    before.value[CML_DECIDES_photons] = (double)(setup->photons - options->more);
+    CML_TRY(cml_identity_of(&before, setup->scene->settings, call->inputs, &run->base_identity, err));
+    setup->base_identity = run->base_identity;
     return CML_OK;
 }
 
@@ -480,24 +457,17 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
  * rank alone, hence it comes before the ranks agree to fly. */
 static cml_status prepare(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
-    struct cml_options options = *call->options;
-    struct cml_run_setup *setup = &run->setup;
-    options.surface.shared = call->shared;
-    const struct cml_options all = all_photons(&options, setup);
-    CML_TRY(cml_choose_surfaces(&options, setup->scene, &run->surfaces, err));
-    CML_TRY(cml_check_memory(&all, setup->scene, &run->surfaces, err));
-    setup->surfaces = &run->surfaces;
-    CML_TRY(cml_aim_for_run(&options, setup->scene, setup->surfaces, &run->aim, err));
-    cml_aim_use(&run->aim, &setup->options);
-    CML_TRY(cml_find_error_of(&options, setup->scene, &setup->error_of, err));
+    const struct cml_options *options = call->options;
+    struct cml_run_setup *setup = &run->flight.setup;
+    CML_TRY(cml_prepare(options, call->shared, &run->flight, err));
     CML_TRY(identify(call, run, err));
     if (!call->rows && cml_cluster_rank() == 0)
-        CML_TRY(cml_before_look(&options, setup, call->row, &run->before, err));
-    setup->gone = options.resume ? run->before.gone : NULL;
+        CML_TRY(cml_before_look(options, setup, call->row, &run->before, err));
+    setup->gone = options->resume ? run->before.gone : NULL;
     setup->how_gone = run->before.how;
     setup->result_stands = run->before.stands;
-    if (call->row == 0 && cml_cluster_rank() == 0 && !cml_part_files_looking(options.joined))
-        CML_TRY(cml_note_beam(setup->scene, &run->surfaces, NULL, err));
+    if (call->row == 0 && cml_cluster_rank() == 0 && !cml_part_files_looking(options->joined))
+        CML_TRY(cml_note_beam(setup->scene, setup->surfaces, NULL, err));
     return CML_OK;
 }
 
@@ -506,20 +476,13 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
 static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
 {
     const struct cml_options *options = call->options;
-    struct cml_run_setup setup = {.scene = call->scene,
-                                  .engine = options->engine,
-                                  .options = options->engine_options,
-                                  .photons = options->photons ? options->photons : call->scene->photons,
-                                  .part = {options->part, options->parts},
-                                  .call = options->parts > 0 ? options->call : NULL,
-                                  .target_error = options->target_error,
-                                  .interval = options->checkpoint_interval,
-                                  .resume = options->resume,
-                                  .on_progress = cml_progress_show,
-                                  .on_note = cml_show_note,
-                                  .context = display};
-    setup.options.seed = call->seed;
-    setup.options.run = call->run;
+    struct cml_run_setup setup = cml_setup_of(options, call->scene, call->seed, call->run);
+    setup.part = (struct cml_part){options->part, options->parts};
+    setup.call = options->parts > 0 ? options->call : NULL;
+    setup.interval = options->checkpoint_interval;
+    setup.resume = options->resume;
+    setup.on_progress = cml_progress_show;
+    setup.context = display;
     return setup;
 }
 
@@ -529,16 +492,14 @@ cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *recor
 {
     const struct cml_options *options = call->options;
     struct cml_display display = {.quiet = options->quiet, .terminal = isatty(STDERR_FILENO)};
-    struct prepared run = {.setup = setup_of(call, &display)};
+    struct prepared run = {.flight.setup = setup_of(call, &display)};
     *record = (struct cml_record){0};
     cml_status status = plan_photons(call, &run, err);
     if (status == CML_OK) status = cml_cluster_agree(prepare(call, &run, err), err);
     if (status == CML_OK) status = fly(call, &run, record, err);
     cml_progress_end(&display);
-    cml_surfaces_free(&run.surfaces);
-    cml_aim_clear(&run.aim);
+    cml_prepared_clear(&run.flight);
     free(run.checkpoint);
-    free(run.identity);
     free(run.base_identity);
     cml_before_clear(&run.before);
     return status;

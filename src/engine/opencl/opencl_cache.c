@@ -8,6 +8,8 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,7 +69,7 @@ static bool is_own(int file, mode_t kind)
  * pipe. */
 static int open_own(int folder, const char *name, mode_t kind, cml_opencl_note *on_note)
 {
-    static bool told;
+    static atomic_bool told;
     const int file = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (file < 0 && errno == ENOENT) return -1;
     if (file >= 0 && is_own(file, kind)) return file;
@@ -77,8 +79,7 @@ static int open_own(int folder, const char *name, mode_t kind, cml_opencl_note *
         text, sizeof text,
         "%s in the cache of OpenCL binaries is not used (expected one of your own that others may not write)",
         name);
-    if (on_note && !told) on_note(NULL, text);
-    told = true;
+    if (!atomic_exchange(&told, true) && on_note) on_note(NULL, text);
     return -1;
 }
 

@@ -6,9 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Writes the whole build log to standard error, and its first line that names an error into the message. */
+/* Hands every line of the build log to on_note, and writes the first line that names an error into the
+ * message. */
 static cml_status fail_build(const struct cml_opencl_device *device, cl_program program, cl_int code,
-                             struct cml_error *err)
+                             cml_opencl_note *on_note, struct cml_error *err)
 {
     size_t size = 0;
     char *log = NULL;
@@ -20,13 +21,15 @@ static cml_status fail_build(const struct cml_opencl_device *device, cl_program 
         free(log);
         return cml_opencl_fail(device, "building the kernel", code, err);
     }
-    fprintf(stderr, "%s%s", log, log[strlen(log) - 1] == '\n' ? "" : "\n");
-    const char *line = strstr(log, "error");
-    while (line && line > log && line[-1] != '\n') line--;
-    if (!line) line = log;
+    const char *first = NULL;
+    char *rest = log;
+    for (char *line = strtok_r(log, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+        if (on_note) on_note(NULL, line);
+        if (!first && strstr(line, "error")) first = line;
+    }
     const cml_status status =
-        cml_fail(err, CML_E_DEVICE, "opencl device %d (%s): the kernel does not compile: %.*s",
-                 device->number, device->info.name, (int)strcspn(line, "\n"), line);
+        cml_fail(err, CML_E_DEVICE, "opencl device %d (%s): the kernel does not compile: %s", device->number,
+                 device->info.name, first ? first : log);
     free(log);
     return status;
 }
@@ -77,7 +80,8 @@ static void keep(const char *key, cl_program program)
 /* Compiles the kernel from its source text, which is a part of this program (opencl_text.cmake put it
  * together). */
 static cml_status build_from_text(const struct cml_opencl_device *device, cl_context context,
-                                  const char *options, cl_program *program, struct cml_error *err)
+                                  const char *options, cml_opencl_note *on_note, cl_program *program,
+                                  struct cml_error *err)
 {
     const char *text = cml_opencl_text;
     cl_int code = CL_SUCCESS;
@@ -85,7 +89,7 @@ static cml_status build_from_text(const struct cml_opencl_device *device, cl_con
     CML_CL(device, "the kernel's text", code, err);
     code = clBuildProgram(*program, 1, &device->id, options, NULL, NULL);
     if (code == CL_SUCCESS) return CML_OK;
-    const cml_status status = fail_build(device, *program, code, err);
+    const cml_status status = fail_build(device, *program, code, on_note, err);
     clReleaseProgram(*program);
     *program = NULL;
     return status;
@@ -99,7 +103,7 @@ cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context
     char *key = key_of(device, options);
     cml_status status = CML_OK;
     if (!key || !build_from_cache(device, context, key, options, on_note, program)) {
-        status = build_from_text(device, context, options, program, err);
+        status = build_from_text(device, context, options, on_note, program, err);
         if (key && status == CML_OK) keep(key, *program);
     }
     free(key);

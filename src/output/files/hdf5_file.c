@@ -9,6 +9,7 @@
 #ifdef CML_HDF5
 #include <hdf5.h>
 #include <hdf5_hl.h>
+#include <pthread.h>
 
 #define CHUNK ((size_t)1 << 17)  /* values that are in memory as doubles at a time */
 #define GROWTH ((size_t)1 << 20) /* bytes by which the file in memory grows */
@@ -387,8 +388,9 @@ static cml_status publish(const char *path, const struct writer *w, struct cml_e
     return cml_file_commit(&file, err);
 }
 
-/* Writes an HDF5 file: HDF5 builds the file in memory, then `publish` writes it to the disk. `buffer` holds
- * a chunk of doubles, and behind them the same numbers as floats. */
+/* held by the one writer: HDF5 is not safe for several threads as Debian builds it */
+static pthread_mutex_t one_writer = PTHREAD_MUTEX_INITIALIZER;
+
 cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
                           const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields,
                           struct cml_error *err)
@@ -397,9 +399,11 @@ cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attribut
     struct writer w = {.buffer = malloc(size)};
     if (!w.buffer) return cml_fail_memory(err, (double)size, "an HDF5 file");
     w.narrow = (float *)(w.buffer + CHUNK);
+    pthread_mutex_lock(&one_writer);
     create_file(&w);
     write_all(&w, attributes, num_attributes, call, fields, num_fields);
     close_file(&w);
+    pthread_mutex_unlock(&one_writer);
     free(w.buffer);
     const cml_status status = publish(path, &w, err);
     free(w.image);

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 OF_THE_SCENE = re.compile(r"layer_\w+|body_(n|mua|mus|g|of_facet)|(boundary\d+|body)_area")  # arrays that belong to the scene and are equal in all results
+WHOLE = ("photons", "seed", "run", "covers", "found", "limit")  # attributes that are whole numbers, which a file stores as floating-point numbers
+MEASURED = ("seconds", "cpu_s", "steps", "photons_per_s", "threads", "ranks")  # keys of --json that become attributes
 OF_DETECTED = re.compile(r"(detector_\w+)_(path|interactions|momentum|deepest)")  # means over the packets that a detector has seen
 
 

@@ -16,10 +16,9 @@ from typing import Any, Callable
 import h5py
 
 from . import errors
-from .fields import Field, Fields
+from .fields import WHOLE, Field, Fields
 
 
-WHOLE = ("photons", "seed", "run", "covers", "found", "limit")  # attributes that are whole numbers, which the file stores as floating-point numbers
 MOST_DEFLATED = 1032  # most bytes that deflate can make of one byte
 
 

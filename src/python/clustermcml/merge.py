@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, Sequence, Union
 import numpy as np
 
 from . import errors
-from .fields import OF_DETECTED, OF_THE_SCENE
-from .program import MEASURED
+from .fields import MEASURED, OF_DETECTED, OF_THE_SCENE
 from .results import read
 
 if TYPE_CHECKING:

@@ -23,7 +23,8 @@ from typing import IO, TYPE_CHECKING, Any, Iterable, Iterator, Mapping, NoReturn
 
 import numpy as np
 
-from . import errors
+from . import errors, library
+from .fields import MEASURED
 from .mco import read_mco
 from .options import Path, RunOptions, shown
 from .progress import Progress
@@ -39,7 +40,6 @@ OWN = "# written by clustermcml.run or sweep\n"
 FATES = {"Rsp": "specular", "Rd": "reflected", "A": "absorbed", "Tt": "transmitted"}  # keys of --json, and names of the book of each in the result
 STOPS = (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)  # SIGINT is left to Python
 STOPPED = 75  # exit code of a run that was stopped by a signal
-MEASURED = ("seconds", "cpu_s", "steps", "photons_per_s", "threads", "ranks")  # keys of --json that become attributes
 
 
 def find_program() -> str:
@@ -372,8 +372,8 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
 
     Args:
         scene: A Scene, or the path of an `.mci` file with one run.
-        output_dir: Folder in which results and checkpoints stay; it is made where it is missing. None removes them after they are read.
-            Calls at the same time need folders of their own.
+        output_dir: Folder in which results and checkpoints stay; it is made where it is missing. Calls at the same time need folders of their own.
+            None: the run flies in this process without files, or by the program in a temporary folder where the library lacks something.
         progress: Whether to show a progress bar; None shows one in notebooks and terminals.
         **options: Options of the program, with underscores: photons=1e6, seed=2, threads=4, target_error=1e-3, engine="reference",
             no_reentry=True, set={"layer1.mua": 0.5}. `clustermcml help run` lists them.
@@ -384,7 +384,7 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
     Raises:
         InputError: The scene or an option is refused; the text is the program's.
         ClustermcmlError: The run has failed.
-        KeyboardInterrupt: The program was stopped. With output_dir its checkpoint stays, and the same call with resume=True continues.
+        KeyboardInterrupt: The run was stopped. With output_dir its checkpoint stays, and the same call with resume=True continues.
     """
     if isinstance(scene, Scene) and scene.saved and output_dir is None:
         raise errors.refuse("output_dir", output_dir, "a folder: the file of saved photons stays there")
@@ -392,6 +392,10 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         with scene_file(scene, folder) as path:
             words = option_words(options)
+            loaded = library.find(find_program(), options) if output_dir is None else None
+            if loaded:
+                with Progress(progress) as shown_progress, library.Scene(loaded, path, words, lambda text: renamed(text, scratch)) as opened:
+                    return opened.fly([], shown_progress).dataset()
             resumes = options.get("resume") and output_dir is not None and _may_be_finished(path, folder)
             stands = _finished(path, folder, words, progress) if resumes else None
             told = [stands] if stands else fly(path, folder, words, progress, scratch, notes=not resumes)

@@ -189,7 +189,7 @@ def sweep(scene: Union[Scene, Path], parameters: Union[Mapping[str, ArrayLike], 
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         path = os.path.join(scratch, "sweep.csv")
         table.write(path)
-        words = ["--sweep", path, *option_words(options)]
+        words = ["--sweep", path, *(["--output", "row.h5"] if output_dir is None else []), *option_words(options)]  # an .h5 has all digits, as run returns them
         with scene_file(scene, folder) as file:
             told = fly(file, folder, words, progress, scratch, math.prod(table.sizes.values()))
             rows = [_kept(result_of(one), table, variables) for one in sorted(told, key=lambda one: int(one["row"]))]

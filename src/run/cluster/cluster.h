@@ -23,6 +23,8 @@
 
 #include "tally/result.h"
 
+#include <stdatomic.h>
+
 /* Starts MPI if a launcher started this process. CML_E_INPUT: the launcher started several processes that do
  * not find each other, so that each would write the same files. CML_E_DEVICE: MPI cannot start. */
 CML_NODISCARD cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err);
@@ -70,17 +72,18 @@ CML_NODISCARD cml_status cml_cluster_sum(struct cml_result *result, struct cml_e
 
 /* Requests a synchronisation, which brings all ranks together in the middle of a flight. Any rank may request
  * one, at any time, from any thread. All ranks hear of the request by the next heartbeats, and
- * cml_cluster_sync_requested is true until they have synchronised. Local. */
-void cml_cluster_request_sync(void);
-bool cml_cluster_sync_requested(void);
+ * cml_cluster_sync_requested is true until they have synchronised. Local. own: the requests of this run,
+ * from 0, which count if there is one rank. Several such runs may fly at once. */
+void cml_cluster_request_sync(atomic_int *own);
+bool cml_cluster_sync_requested(atomic_int *own);
 
 /* Requests a synchronisation after which the run stops. cml_cluster_stop_requested: true if one was
  * requested. Local. */
-void cml_cluster_request_stop(void);
-bool cml_cluster_stop_requested(void);
+void cml_cluster_request_stop(atomic_int *own);
+bool cml_cluster_stop_requested(atomic_int *own);
 
 /* Waits until all ranks have come to the synchronisation. */
-CML_NODISCARD cml_status cml_cluster_synchronise(struct cml_error *err);
+CML_NODISCARD cml_status cml_cluster_synchronise(atomic_int *own, struct cml_error *err);
 
 /* Lets a rank work by itself between cml_cluster_alone(true) and cml_cluster_alone(false). Every function
  * here then behaves as for a single rank 0, except cml_cluster_local_rank, cml_cluster_local_size,

@@ -27,11 +27,11 @@
     CALL(cml_status, gather, (const void *mine, size_t size, void *all, struct cml_error *err),              \
          (mine, size, all, err))                                                                             \
     CALL(cml_status, sum, (struct cml_result * result, struct cml_error * err), (result, err))               \
-    TELL(request_sync, (void), ())                                                                           \
-    CALL(bool, sync_requested, (void), ())                                                                   \
-    TELL(request_stop, (void), ())                                                                           \
-    CALL(bool, stop_requested, (void), ())                                                                   \
-    CALL(cml_status, synchronise, (struct cml_error * err), (err))                                           \
+    TELL(request_sync, (atomic_int * own), (own))                                                            \
+    CALL(bool, sync_requested, (atomic_int * own), (own))                                                    \
+    TELL(request_stop, (atomic_int * own), (own))                                                            \
+    CALL(bool, stop_requested, (atomic_int * own), (own))                                                    \
+    CALL(cml_status, synchronise, (atomic_int * own, struct cml_error * err), (own, err))                    \
     TELL(alone, (bool alone), (alone))                                                                       \
     TELL(recall, (void), ())                                                                                 \
     CALL(bool, recalled, (void), ())                                                                         \

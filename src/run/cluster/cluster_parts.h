@@ -19,9 +19,7 @@ struct cml_ranks {
     pthread_mutex_t lock;        /* held around every call of MPI once the service thread runs */
     _Atomic double timeout;      /* seconds of silence after which a rank counts as lost */
     atomic_bool alone;           /* this rank works by itself (cml_cluster_alone) */
-    /* requests of a rank that works by itself; bits: 1, a synchronisation; 2, a stop */
-    atomic_int alone_sync;
-    atomic_int lost_rank; /* the rank that contact was lost with; -1: none */
+    atomic_int lost_rank;        /* the rank that contact was lost with; -1: none */
 };
 extern struct cml_ranks cml_ranks;
 

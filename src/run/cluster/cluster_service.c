@@ -250,10 +250,10 @@ void cml_service_stop(void)
 
 /* Requests the synchronisation after those held so far. Other ranks learn of it by the next heartbeat, which
  * is sent at once. */
-void cml_cluster_request_sync(void)
+void cml_cluster_request_sync(atomic_int *own)
 {
     if (atomic_load(&cml_ranks.alone))
-        atomic_fetch_or(&cml_ranks.alone_sync, 1);
+        atomic_fetch_or(own, 1);
     else
         cml_cluster_recall();
 }
@@ -272,19 +272,19 @@ static bool all_requested(void)
 
 /* Asks all ranks to meet and then to stop. An odd number of a meeting means a stop. A rank that works alone
  * sets its own flag, bit 1 (value 2). */
-void cml_cluster_request_stop(void)
+void cml_cluster_request_stop(atomic_int *own)
 {
     if (atomic_load(&cml_ranks.alone))
-        atomic_fetch_or(&cml_ranks.alone_sync, 2);
+        atomic_fetch_or(own, 2);
     else
         raise_requested(2 * (atomic_load(&service.syncs_done) + 1) + 1);
 }
 
 /* True if a stop was requested: by the flag of a rank that works alone, or by an odd number of the next
  * meeting. */
-bool cml_cluster_stop_requested(void)
+bool cml_cluster_stop_requested(atomic_int *own)
 {
-    if (atomic_load(&cml_ranks.alone)) return atomic_load(&cml_ranks.alone_sync) & 2;
+    if (atomic_load(&cml_ranks.alone)) return atomic_load(own) & 2;
     return all_requested() && atomic_load(&service.syncs_requested) % 2 == 1;
 }
 
@@ -292,7 +292,6 @@ bool cml_cluster_stop_requested(void)
 void cml_cluster_alone(bool alone)
 {
     atomic_store(&cml_ranks.alone, alone);
-    atomic_store(&cml_ranks.alone_sync, 0);
 }
 
 /* True if this rank works alone and was asked to meet the others. */
@@ -302,21 +301,21 @@ bool cml_cluster_recalled(void)
 }
 
 /* True if all ranks were asked to meet. */
-bool cml_cluster_sync_requested(void)
+bool cml_cluster_sync_requested(atomic_int *own)
 {
-    return atomic_load(&cml_ranks.alone) ? atomic_load(&cml_ranks.alone_sync) != 0 : all_requested();
+    return atomic_load(&cml_ranks.alone) ? atomic_load(own) != 0 : all_requested();
 }
 
 /* Counts a synchronisation as requested on this rank first: another rank may have requested it without this
  * rank having heard. The barrier is the only wait here; the calls that follow are collective anyway. */
-cml_status cml_cluster_synchronise(struct cml_error *err)
+cml_status cml_cluster_synchronise(atomic_int *own, struct cml_error *err)
 {
     MPI_Request call;
     if (atomic_load(&cml_ranks.alone)) {
-        atomic_store(&cml_ranks.alone_sync, 0);
+        atomic_store(own, 0);
         return CML_OK;
     }
-    cml_cluster_request_sync();
+    cml_cluster_recall();
     if (cml_ranks.size > 1) CML_TRY(CML_COMPLETE(MPI_Ibarrier(MPI_COMM_WORLD, &call), &call, err));
     atomic_fetch_add(&service.syncs_done, 1);
     return CML_OK;

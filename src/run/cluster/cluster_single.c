@@ -4,10 +4,7 @@
 
 #include "run/cluster/launcher.h"
 
-#include <stdatomic.h>
 #include <string.h>
-
-static atomic_int sync_requested; /* bits: 1, a synchronisation is requested; 2, and then a stop */
 
 /* Fails if a launcher started several processes of this build: each would write the same files. */
 static cml_status single_begin(int *argc, char ***argv, struct cml_error *err)
@@ -97,30 +94,31 @@ static cml_status single_sum(struct cml_result *result, struct cml_error *err)
     return CML_OK;
 }
 
-static void single_request_sync(void)
+/* Bits of *own: 1, a synchronisation is requested; 2, and then a stop. */
+static void single_request_sync(atomic_int *own)
 {
-    atomic_fetch_or(&sync_requested, 1);
+    atomic_fetch_or(own, 1);
 }
 
-static bool single_sync_requested(void)
+static bool single_sync_requested(atomic_int *own)
 {
-    return atomic_load(&sync_requested) != 0;
+    return atomic_load(own) != 0;
 }
 
-static void single_request_stop(void)
+static void single_request_stop(atomic_int *own)
 {
-    atomic_fetch_or(&sync_requested, 2);
+    atomic_fetch_or(own, 2);
 }
 
-static bool single_stop_requested(void)
+static bool single_stop_requested(atomic_int *own)
 {
-    return atomic_load(&sync_requested) & 2;
+    return atomic_load(own) & 2;
 }
 
-static cml_status single_synchronise(struct cml_error *err)
+static cml_status single_synchronise(atomic_int *own, struct cml_error *err)
 {
     (void)err;
-    atomic_store(&sync_requested, 0);
+    atomic_store(own, 0);
     return CML_OK;
 }
 

@@ -9,6 +9,7 @@
 #include "surface/tree/facet_tree.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -396,8 +397,10 @@ const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface 
 
 /* One Embree device for all meshes, kept until the program ends: Embree takes a pthread key for each device,
  * and a process has 1024. Embree builds in the calling thread alone, because TBB aborts the process if the
- * system refuses a thread. Building takes a sixth of the time of loading a mesh. */
+ * system refuses a thread. Building takes a sixth of the time of loading a mesh. The lock is held while a
+ * tree is built, because a device has one monitor of its memory. */
 static RTCDevice device;
+static pthread_mutex_t device_lock = PTHREAD_MUTEX_INITIALIZER;
 static const char only_the_caller[] = "threads=1,start_threads=0";
 
 /* Adds to the memory that Embree has taken for a surface (a callback of Embree's device). */
@@ -429,9 +432,9 @@ static void build_boxes(struct cml_mesh_surface *surface)
     rtcCommitScene(surface->boxes);
 }
 
-/* Builds Embree's tree and counts its memory. Returns CML_E_INPUT if memory runs out, CML_E_DEVICE if Embree
- * fails. */
-static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_error *err)
+/* Builds Embree's tree and counts its memory, under the lock. Returns CML_E_INPUT if memory runs out,
+ * CML_E_DEVICE if Embree fails. */
+static cml_status build_embree_alone(struct cml_mesh_surface *surface, struct cml_error *err)
 {
     if (!device && !(device = rtcNewDevice(only_the_caller)))
         return cml_fail(err, CML_E_DEVICE, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
@@ -443,6 +446,14 @@ static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_erro
     return cml_fail(err, error == RTC_ERROR_OUT_OF_MEMORY ? CML_E_INPUT : CML_E_DEVICE,
                     "Embree cannot build a tree of %zu triangles (error %d)",
                     surface->centred.mesh.num_triangles, (int)error);
+}
+
+static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_error *err)
+{
+    pthread_mutex_lock(&device_lock);
+    const cml_status status = build_embree_alone(surface, err);
+    pthread_mutex_unlock(&device_lock);
+    return status;
 }
 
 /* Builds our own tree of facets for the best level that the processor can run. */

@@ -1,0 +1,324 @@
+/* Runs of the C library, and their results as arrays. SPDX-License-Identifier: MIT */
+#include "api/api_parts.h"
+
+#include "cli/load/beam_notes.h"
+#include "cli/run/prepare.h"
+#include "run/identity.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An array as callers see it. Its values are computed when they are first asked for. */
+struct item {
+    const struct cml_field *field, *errors; /* errors NULL: none */
+    struct cml_field axis;                  /* the field of an axis, to which `field` then points */
+    double *value, *error;
+};
+
+struct clm_run {
+    struct cml_api_words words;
+    struct cml_options options;
+    struct cml_scene scene;
+    char *inputs; /* lines of the identity */
+    struct cml_prepared prepared;
+    clm_progress *progress;
+    void *context;
+    struct cml_note_receiver notes;
+    atomic_bool cancelled;
+    /* what has flown: zero photons before the first flight */
+    struct cml_run_result flown;
+    struct cml_report report;
+    struct cml_report_arrays arrays;
+    struct item *item; /* [num_items] arrays, then axes */
+    int num_items;
+    char *json;
+};
+
+/* ---- opening ---- */
+
+static void on_progress(void *context, const struct cml_progress *now)
+{
+    struct clm_run *run = context;
+    if (run->progress && run->progress(run->context, now->done, now->total, now->seconds))
+        atomic_store(&run->cancelled, true);
+}
+
+static bool is_cancelled(void *context)
+{
+    struct clm_run *run = context;
+    return atomic_load(&run->cancelled);
+}
+
+/* Any thread of a flight may have a note. */
+static void on_note(void *context, const char *text)
+{
+    const struct clm_run *run = context;
+    run->notes.to(run->notes.context, text);
+}
+
+/* Makes the surfaces of a run, and shares those of runs before that have the same shapes. */
+static cml_status prepare(struct clm_run *run, struct cml_surface_set *shared, struct cml_error *err)
+{
+    struct cml_surface_options options = run->options.surface;
+    struct cml_surface_set kept;
+    CML_TRY(cml_prepare(&run->options, shared->count > 0 ? shared : NULL, &run->prepared, err));
+    options.shared = &run->prepared.surfaces;
+    CML_TRY(cml_surfaces_create(&run->scene, &options, &kept, err));
+    cml_surfaces_free(shared);
+    *shared = kept;
+    return CML_OK;
+}
+
+static cml_status open_run(struct clm_scene *scene, int index, const char *const *options,
+                           struct clm_run *run, struct cml_error *err)
+{
+    struct cml_run_setup *setup = &run->prepared.setup;
+    CML_TRY(cml_api_check_run(scene, index, err));
+    CML_TRY(cml_api_parse(scene->list.scenes[index].file, &scene->words, options, false, &run->words,
+                          &run->options, err));
+    CML_TRY(cml_check_flight_options(&run->options, err));
+    CML_TRY(cml_copy_scene(&run->options, cml_api_settings(scene, index), NULL, &scene->inputs,
+                           &scene->list.scenes[index], &run->scene, err));
+    CML_TRY(cml_check_differentiated(&run->options, &run->scene, err));
+    CML_TRY(cml_identity_inputs(&scene->inputs, &run->inputs, err));
+    *setup = cml_setup_of(&run->options, &run->scene, run->options.engine_options.seed, (uint32_t)index);
+    setup->on_progress = on_progress;
+    setup->cancelled = is_cancelled;
+    setup->on_note = on_note;
+    setup->context = run;
+    CML_TRY(prepare(run, &scene->surfaces[index], err));
+    return cml_note_beam(&run->scene, &run->prepared.surfaces, NULL, err);
+}
+
+CML_API int clm_run_open(struct clm_scene *scene, int index, const char *const *options, struct clm_run **out)
+{
+    CML_API_CALL();
+    struct clm_run *run = *out = calloc(1, sizeof *run);
+    if (!run) return cml_fail_memory(&cml_api_error, sizeof *run, "a run");
+    const cml_status status = open_run(scene, index, options, run, &cml_api_error);
+    if (status == CML_OK) return CML_OK;
+    clm_run_free(run);
+    *out = NULL;
+    return status;
+}
+
+CML_API void clm_run_on_progress(struct clm_run *run, clm_progress *progress, void *context)
+{
+    run->progress = progress;
+    run->context = context;
+}
+
+/* ---- results ---- */
+
+/* Frees all that callers see of a result. */
+static void clear_view(struct clm_run *run)
+{
+    for (int i = 0; i < run->num_items; i++) {
+        free(run->item[i].value);
+        free(run->item[i].error);
+    }
+    free(run->item);
+    free(run->json);
+    run->item = NULL;
+    run->num_items = 0;
+    run->json = NULL;
+    cml_report_arrays_clear(&run->arrays);
+    cml_report_clear(&run->report);
+}
+
+static struct item *find_item(const struct clm_run *run, const char *name)
+{
+    for (int i = 0; i < run->num_items; i++)
+        if (strcmp(run->item[i].field->name, name) == 0) return &run->item[i];
+    return NULL;
+}
+
+static void axis_values(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_axis *axis = context;
+    for (size_t i = begin; i < begin + count; i++)
+        *out++ = axis->values ? axis->values[i] : axis->first + (double)i * axis->step;
+}
+
+/* Adds an axis, unless an array or an axis has its name. */
+static void add_axis(struct clm_run *run, const struct cml_axis *axis)
+{
+    if (find_item(run, axis->name)) return;
+    struct item *item = &run->item[run->num_items++];
+    item->axis = (struct cml_field){.long_name = axis->long_name,
+                                    .units = axis->units,
+                                    .num_axes = 1,
+                                    .axis = {axis},
+                                    .values = axis_values,
+                                    .context = axis};
+    strncat(item->axis.name, axis->name, sizeof item->axis.name - 1);
+    item->field = &item->axis;
+}
+
+/* Lists arrays and axes. A field of standard errors belongs to the array before it. */
+static cml_status list_items(struct clm_run *run, struct cml_error *err)
+{
+    const struct cml_report_arrays *arrays = &run->arrays;
+    size_t most = (size_t)arrays->num_fields;
+    for (int i = 0; i < arrays->num_fields; i++) most += (size_t)arrays->field[i].num_axes;
+    run->item = calloc(most, sizeof *run->item);
+    if (!run->item) return cml_fail_memory(err, arrays->num_fields, "a list of arrays");
+    for (int i = 0; i < arrays->num_fields; i++) {
+        const struct cml_field *field = &arrays->field[i], *before = i > 0 ? field - 1 : NULL;
+        if (field->num_axes == 1 && strcmp(field->name, field->axis[0]->name) == 0) continue;
+        if (before && before->errors && strcmp(before->errors, field->name) == 0)
+            run->item[run->num_items - 1].errors = field;
+        else
+            run->item[run->num_items++].field = field;
+    }
+    for (int i = 0; i < arrays->num_fields; i++)
+        for (int k = 0; k < arrays->field[i].num_axes; k++) add_axis(run, arrays->field[i].axis[k]);
+    return CML_OK;
+}
+
+/* Makes what callers see of the photons that have flown. */
+static cml_status view(struct clm_run *run, struct cml_error *err)
+{
+    struct cml_record record = {0};
+    CML_TRY(cml_prepared_identify(&run->options, run->inputs, &run->prepared, err));
+    run->report = cml_prepared_report(&run->prepared, &run->flown, "");
+    CML_TRY(cml_report_arrays(&run->report, &run->arrays, err));
+    CML_TRY(list_items(run, err));
+    const cml_status status = cml_report_record(&run->report, &record, err);
+    run->json = record.json;
+    return status;
+}
+
+/* ---- flight ---- */
+
+/* Adds the photons of a flight to those before. */
+static void add(struct clm_run *run, struct cml_run_result *flown)
+{
+    if (run->flown.result.photons > 0) {
+        cml_run_add(&flown->result, &run->flown.result);
+        flown->timing.seconds += run->flown.timing.seconds;
+        flown->timing.rank[0].elapsed += run->flown.timing.rank[0].elapsed;
+        flown->timing.rank[0].processor += run->flown.timing.rank[0].processor;
+    }
+    cml_run_result_free(&run->flown);
+    run->flown = *flown;
+}
+
+static cml_status fly(struct clm_run *run, uint64_t photons, struct cml_error *err)
+{
+    struct cml_run_setup *setup = &run->prepared.setup;
+    struct cml_run_result flown;
+    const uint64_t before = run->flown.result.photons;
+    if (setup->target_error > 0 ? photons > 0 || before > 0 : photons == 0 && before > 0)
+        return cml_fail(err, CML_E_INPUT, "%llu photons behind %llu (expected %s)",
+                        (unsigned long long)photons, (unsigned long long)before,
+                        setup->target_error > 0 ? "0, once, with target-error" : "1 or more");
+    if (photons > ((uint64_t)1 << 48) - before)
+        return cml_fail(err, CML_E_INPUT, "%llu photons behind %llu (expected at most 2^48 together)",
+                        (unsigned long long)photons, (unsigned long long)before);
+    run->notes = cml_api_notes;
+    atomic_store(&run->cancelled, false);
+    struct cml_run_setup slice = *setup;
+    slice.base = before;
+    if (photons > 0) slice.photons = before + photons;
+    CML_TRY(cml_run(&slice, &flown, err));
+    setup->photons = slice.photons;
+    clear_view(run);
+    add(run, &flown);
+    CML_TRY(view(run, err));
+    return cml_run_verdict(&run->scene, &run->flown.result, err);
+}
+
+CML_API int clm_run_fly(struct clm_run *run, uint64_t photons)
+{
+    CML_API_CALL();
+    return fly(run, photons, &cml_api_error);
+}
+
+CML_API void clm_run_free(struct clm_run *run)
+{
+    if (!run) return;
+    clear_view(run);
+    cml_run_result_free(&run->flown);
+    cml_prepared_clear(&run->prepared);
+    cml_scene_clear(&run->scene);
+    free(run->inputs);
+    cml_api_words_clear(&run->words);
+    free(run);
+}
+
+/* ---- arrays ---- */
+
+/* Computes the values of a field, rounded as a file has them. */
+static cml_status take_values(const struct cml_field *field, double **value, struct cml_error *err)
+{
+    const size_t count = cml_field_size(field);
+    if (*value) return CML_OK;
+    *value = malloc((count + 1) * sizeof **value);
+    if (!*value) return cml_fail_memory(err, (double)count * sizeof **value, field->name);
+    field->values(field->context, 0, count, *value);
+    for (size_t i = 0; field->single && i < count; i++) (*value)[i] = (float)(*value)[i];
+    return CML_OK;
+}
+
+static cml_status show(struct item *item, struct clm_array *array, struct cml_error *err)
+{
+    const struct cml_field *field = item->field;
+    CML_TRY(take_values(field, &item->value, err));
+    if (item->errors) CML_TRY(take_values(item->errors, &item->error, err));
+    *array = (struct clm_array){.name = field->name,
+                                .units = field->units,
+                                .meaning = field->long_name,
+                                .num_axes = field->num_axes,
+                                .count = cml_field_size(field),
+                                .single = field->single,
+                                .value = item->value,
+                                .error = item->error};
+    for (int k = 0; k < field->num_axes && k < CLM_MOST_AXES; k++) {
+        array->axis[k] = field->axis[k]->name;
+        array->size[k] = field->axis[k]->n;
+    }
+    return CML_OK;
+}
+
+CML_API int clm_run_item(struct clm_run *run, int i, struct clm_array *array)
+{
+    if (i >= 0 && i < run->num_items) return show(&run->item[i], array, &cml_api_error);
+    return cml_fail(&cml_api_error, CML_E_INPUT, "array %d (expected 0 to %d)", i, run->num_items - 1);
+}
+
+CML_API int clm_run_array(struct clm_run *run, const char *name, struct clm_array *array)
+{
+    struct item *item = find_item(run, name);
+    if (item) return show(item, array, &cml_api_error);
+    return cml_fail(&cml_api_error, CML_E_INPUT, "%s (expected an array of this result)", name);
+}
+
+CML_API int clm_run_attribute(struct clm_run *run, int i, const char **name, const char **text,
+                              double *number)
+{
+    if (i < 0 || i >= run->arrays.num_attributes)
+        return cml_fail(&cml_api_error, CML_E_INPUT, "attribute %d (expected 0 to %d)", i,
+                        run->arrays.num_attributes - 1);
+    *name = run->arrays.attribute[i].name;
+    *text = run->arrays.attribute[i].value;
+    *number = run->arrays.attribute[i].number;
+    return CML_OK;
+}
+
+CML_API const char *clm_run_json(const struct clm_run *run)
+{
+    return run->json ? run->json : "";
+}
+
+CML_API int clm_run_write(struct clm_run *run, const char *path)
+{
+    CML_API_CALL();
+    if (run->flown.result.photons == 0)
+        return cml_fail(&cml_api_error, CML_E_INPUT, "%s (expected a flight before)", path);
+    struct cml_report report = cml_prepared_report(&run->prepared, &run->flown, "");
+    const cml_status status = cml_report_write(&report, path, &cml_api_error);
+    cml_report_clear(&report);
+    return status;
+}

@@ -1,0 +1,307 @@
+/* Scenes of the C library. SPDX-License-Identifier: MIT */
+#include "api/api_parts.h"
+
+#include "base/text.h"
+#include "base/version.h"
+#include "cli/options/options_parse.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void ignore_note(void *context, const char *text)
+{
+    (void)context;
+    (void)text;
+}
+
+_Thread_local struct cml_error cml_api_error;
+_Thread_local struct cml_note_receiver cml_api_notes = {ignore_note, NULL};
+
+CML_API int clm_api(void)
+{
+    return CLM_API;
+}
+
+CML_API const char *clm_version(void)
+{
+    return cml_version();
+}
+
+CML_API const char *clm_error(void)
+{
+    for (char *c = cml_api_error.text; *c; c++)
+        if (iscntrl((unsigned char)*c)) *c = '?';
+    return cml_api_error.text;
+}
+
+CML_API void clm_on_note(clm_note *note, void *context)
+{
+    cml_api_notes = (struct cml_note_receiver){note ? note : ignore_note, context};
+}
+
+/* ---- calls ---- */
+
+/* glibc makes the "C" locale without memory, so that none is freed. */
+struct cml_api_call cml_api_enter(void)
+{
+    return (struct cml_api_call){uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0)),
+                                 cml_notes_go_to(cml_api_notes)};
+}
+
+void cml_api_leave(struct cml_api_call *call)
+{
+    uselocale(call->locale);
+    cml_notes_go_to(call->notes);
+}
+
+/* ---- options ---- */
+
+/* Options that the library takes. reads: it decides how files are read. */
+static const struct {
+    const char *name;
+    bool reads;
+} known[] = {{"photons", false},      {"set", true},
+             {"derivatives", false},  {"seed", false},
+             {"target-error", false}, {"error-of", false},
+             {"sampling", false},     {"roulette", false},
+             {"aim", false},          {"ignore-absorption", false},
+             {"no-reentry", false},   {"ignore-heightfields", true},
+             {"boundaries", true},    {"tolerance", true},
+             {"mesh-budget", true},   {"normals", true},
+             {"rings", true},         {"mesh-search", true},
+             {"engine", false},       {"threads", false},
+             {"chunk", false},        {"device", false},
+             {"group", false},        {"build-options", false}};
+
+static cml_status check_known(const char *option, bool reads, struct cml_error *err)
+{
+    const size_t length = strcspn(option, "=");
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        if (strlen(known[i].name) != length || strncmp(option, known[i].name, length) != 0) continue;
+        if (reads || !known[i].reads) return CML_OK;
+        return cml_fail(err, CML_E_INPUT, "%s (expected among the options with which the scene is read)",
+                        option);
+    }
+    return cml_fail(err, CML_E_INPUT, "%s (expected an option of a run that needs no files)", option);
+}
+
+static cml_status add_word(struct cml_api_words *words, const char *dashes, const char *text,
+                           struct cml_error *err)
+{
+    CML_TRY(cml_text_format(&words->word[words->count], "an option", err, "%s%s", dashes, text));
+    words->count++;
+    return CML_OK;
+}
+
+enum { FIRST_OPTION = 3 }; /* behind "clustermcml run SCENE" */
+
+cml_status cml_api_parse(const char *path, const struct cml_api_words *before, const char *const *options,
+                         bool reads, struct cml_api_words *words, struct cml_options *parsed,
+                         struct cml_error *err)
+{
+    int count = 0;
+    while (options && options[count]) count++;
+    const int kept = before ? before->count - FIRST_OPTION : 0;
+    *words =
+        (struct cml_api_words){.word = calloc((size_t)(FIRST_OPTION + kept + count) + 1, sizeof(char *))};
+    if (!words->word) return cml_fail_memory(err, 8.0 * count, "options");
+    CML_TRY(add_word(words, "", "clustermcml", err));
+    CML_TRY(add_word(words, "", "run", err));
+    CML_TRY(add_word(words, path[0] == '-' ? "./" : "", path, err));
+    for (int i = 0; i < kept; i++) CML_TRY(add_word(words, "", before->word[FIRST_OPTION + i], err));
+    for (int i = 0; i < count; i++) {
+        CML_TRY(check_known(options[i], reads, err));
+        CML_TRY(add_word(words, "--", options[i], err));
+    }
+    CML_TRY(cml_options_parse(words->count, words->word, parsed, err));
+    parsed->engine_options.on_note = cml_show_note;
+    return CML_OK;
+}
+
+void cml_api_words_clear(struct cml_api_words *words)
+{
+    for (int i = 0; i < words->count; i++) free(words->word[i]);
+    free(words->word);
+    *words = (struct cml_api_words){0};
+}
+
+/* ---- settings ---- */
+
+static void free_settings(struct cml_settings *settings)
+{
+    for (int i = 0; settings && i < settings->count; i++) free((char *)(uintptr_t)settings->item[i].value);
+    free(settings);
+}
+
+/* Returns in *copy the settings with values of their own. */
+static cml_status copy_settings(const struct cml_settings *from, struct cml_settings **copy,
+                                struct cml_error *err)
+{
+    struct cml_settings *to = *copy = calloc(1, sizeof *to);
+    if (!to) return cml_fail_memory(err, sizeof *to, "settings");
+    for (int i = 0; i < from->count; i++) {
+        char *value = NULL;
+        CML_TRY(cml_text_copy(from->item[i].value, &value, err));
+        to->item[i] = from->item[i];
+        to->item[i].value = value;
+        to->count++;
+    }
+    return CML_OK;
+}
+
+/* Sets one value of settings that own their values. */
+static cml_status put(struct cml_settings *settings, const char *name, const char *value,
+                      struct cml_error *err)
+{
+    struct cml_setting setting = {.source = "clm_scene_set"};
+    struct cml_setting *item = (struct cml_setting *)(uintptr_t)cml_settings_find(settings, name);
+    char *copy = NULL;
+    CML_TRY(cml_text_copy(value, &copy, err));
+    if (item) {
+        free((char *)(uintptr_t)item->value);
+        item->value = copy;
+        item->source = setting.source;
+        return CML_OK;
+    }
+    snprintf(setting.name, sizeof setting.name, "%s", name);
+    setting.value = copy;
+    const cml_status status = cml_settings_copy(settings, &setting, err);
+    if (status != CML_OK) free(copy);
+    return status;
+}
+
+const struct cml_settings *cml_api_settings(const struct clm_scene *scene, int run)
+{
+    return scene->settings[run] ? scene->settings[run] : &scene->options.settings;
+}
+
+cml_status cml_api_check_run(const struct clm_scene *scene, int run, struct cml_error *err)
+{
+    if (run >= 0 && run < scene->list.count) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "run %d (expected 0 to %d)", run, scene->list.count - 1);
+}
+
+/* True if a scene still has the shapes that its surfaces were made for. */
+static bool has_same_shapes(const struct cml_scene *one, const struct cml_scene *other)
+{
+    for (int b = 0; b <= one->num_layers; b++)
+        if (one->boundaries[b].users != other->boundaries[b].users) return false;
+    return one->bodies == other->bodies;
+}
+
+/* Sets the texts of `count` numbers at once. */
+static cml_status set(struct clm_scene *scene, int run, int count, const char *const *name,
+                      const char *const *value, struct cml_error *err)
+{
+    struct cml_settings *settings = NULL;
+    struct cml_scene changed;
+    CML_TRY(cml_api_check_run(scene, run, err));
+    cml_status status = copy_settings(cml_api_settings(scene, run), &settings, err);
+    for (int i = 0; status == CML_OK && i < count; i++) status = put(settings, name[i], value[i], err);
+    if (status == CML_OK)
+        status = cml_copy_scene(&scene->options, settings, NULL, &scene->inputs, &scene->list.scenes[run],
+                                &changed, err);
+    if (status != CML_OK) {
+        free_settings(settings);
+        return status;
+    }
+    if (!has_same_shapes(&scene->list.scenes[run], &changed)) cml_surfaces_free(&scene->surfaces[run]);
+    cml_scene_clear(&scene->list.scenes[run]);
+    free_settings(scene->settings[run]);
+    scene->list.scenes[run] = changed;
+    scene->settings[run] = settings;
+    return CML_OK;
+}
+
+CML_API int clm_scene_set(struct clm_scene *scene, int run, const char *name, const char *value)
+{
+    CML_API_CALL();
+    return set(scene, run, 1, &name, &value, &cml_api_error);
+}
+
+enum { DIGITS = 32 }; /* size of a number as text */
+
+CML_API int clm_scene_set_numbers(struct clm_scene *scene, int run, int count, const char *const *name,
+                                  const double *value)
+{
+    char digits[CML_MOST_SETTINGS][DIGITS];
+    const char *text[CML_MOST_SETTINGS];
+    CML_API_CALL();
+    if (count < 0 || count > CML_MOST_SETTINGS)
+        return cml_fail(&cml_api_error, CML_E_INPUT, "%d numbers (expected at most %d)", count,
+                        CML_MOST_SETTINGS);
+    for (int i = 0; i < count; i++) {
+        snprintf(digits[i], DIGITS, "%.17g", value[i]);
+        text[i] = digits[i];
+    }
+    return set(scene, run, count, name, text, &cml_api_error);
+}
+
+CML_API int clm_scene_set_number(struct clm_scene *scene, int run, const char *name, double value)
+{
+    return clm_scene_set_numbers(scene, run, 1, &name, &value);
+}
+
+/* ---- scenes ---- */
+
+static cml_status load(struct clm_scene *scene, struct cml_error *err)
+{
+    CML_TRY(cml_load_scenes_as_run(&scene->options, &scene->list, &scene->inputs, err));
+    scene->settings = calloc((size_t)scene->list.count, sizeof *scene->settings);
+    scene->surfaces = calloc((size_t)scene->list.count, sizeof *scene->surfaces);
+    return scene->settings && scene->surfaces ? CML_OK : cml_fail_memory(err, scene->list.count, "runs");
+}
+
+/* Reads the scene `path`; text: what the file would hold; NULL: it is read. */
+static cml_status open_scene(const char *path, const char *text, const char *const *options,
+                             struct clm_scene **out, struct cml_error *err)
+{
+    struct clm_scene *scene = *out = calloc(1, sizeof *scene);
+    if (!scene) return cml_fail_memory(err, sizeof *scene, "a scene");
+    cml_status status = cml_api_parse(path, NULL, options, true, &scene->words, &scene->options, err);
+    if (status == CML_OK && text) status = cml_inputs_add(&scene->inputs, path, text, strlen(text), err);
+    if (status == CML_OK) status = load(scene, err);
+    if (status == CML_OK) return CML_OK;
+    clm_scene_free(scene);
+    *out = NULL;
+    return status;
+}
+
+CML_API int clm_scene_open(const char *path, const char *const *options, struct clm_scene **scene)
+{
+    CML_API_CALL();
+    return open_scene(path, NULL, options, scene, &cml_api_error);
+}
+
+CML_API int clm_scene_parse(const char *text, const char *beside, const char *const *options,
+                            struct clm_scene **scene)
+{
+    CML_FREED char *path = NULL;
+    CML_API_CALL();
+    *scene = NULL;
+    CML_TRY(cml_text_format(&path, "a path", &cml_api_error, "%s%sscene.mci", beside ? beside : "",
+                            beside ? "/" : ""));
+    return open_scene(path, text, options, scene, &cml_api_error);
+}
+
+CML_API void clm_scene_free(struct clm_scene *scene)
+{
+    if (!scene) return;
+    for (int i = 0; scene->surfaces && i < scene->list.count; i++) {
+        free_settings(scene->settings[i]);
+        cml_surfaces_free(&scene->surfaces[i]);
+    }
+    free(scene->settings);
+    free(scene->surfaces);
+    cml_scene_list_clear(&scene->list);
+    cml_inputs_clear(&scene->inputs);
+    cml_api_words_clear(&scene->words);
+    free(scene);
+}
+
+CML_API int clm_scene_runs(const struct clm_scene *scene)
+{
+    return scene->list.count;
+}

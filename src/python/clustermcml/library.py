@@ -1,0 +1,188 @@
+"""Flies scenes in this process, by libclustermcml: no program is started, and no file is written.
+
+The library stands beside the program. Without it, and for all that it lacks (files, checkpoints), `run` and `sweep` start the program.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import glob
+import json
+import os
+import threading
+import warnings
+from typing import Any, Callable, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from . import errors
+from .fields import MEASURED, WHOLE, Field, Fields
+from .progress import Progress
+
+API = 1  # CLM_API of clustermcml.h
+OPTIONS = frozenset(("photons set derivatives seed target_error error_of sampling roulette aim ignore_absorption no_reentry ignore_heightfields boundaries "
+                     "tolerance mesh_budget normals rings mesh_search engine threads chunk device group build_options").split())
+LAUNCHED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
+_Progress = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint64, ctypes.c_double)
+_Note = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p)
+
+
+def _text(text: Optional[bytes]) -> str:
+    return (text or b"").decode("utf-8", "replace")
+
+
+class _Array(ctypes.Structure):
+    """struct clm_array."""
+
+    _fields_ = [("name", ctypes.c_char_p), ("units", ctypes.c_char_p), ("meaning", ctypes.c_char_p), ("num_axes", ctypes.c_int), ("axis", ctypes.c_char_p * 4),
+                ("size", ctypes.c_size_t * 4), ("count", ctypes.c_size_t), ("single", ctypes.c_int), ("value", ctypes.POINTER(ctypes.c_double)),
+                ("error", ctypes.POINTER(ctypes.c_double))]
+
+
+@functools.lru_cache(maxsize=None)
+def _load(program: str) -> Optional[ctypes.CDLL]:
+    """Loads the library that stands beside a program: in its folder (a build), or in lib beside that of the program. None: there is none."""
+    folder = os.path.dirname(os.path.realpath(program))
+    names = [name for place in (".", "../lib*", "../lib*/*") for name in sorted(glob.glob(os.path.join(glob.escape(folder), place, f"libclustermcml.so.{API}")))]
+    try:
+        library = ctypes.CDLL(names[0])
+    except (IndexError, OSError):
+        return None
+    if library.clm_api() != API:
+        return None
+    library.clm_error.restype = library.clm_version.restype = library.clm_run_json.restype = ctypes.c_char_p
+    library.clm_scene_free.argtypes = library.clm_run_free.argtypes = library.clm_run_json.argtypes = [ctypes.c_void_p]
+    library.clm_run_fly.argtypes = [ctypes.c_void_p, ctypes.c_uint64]
+    library.clm_on_note.restype = library.clm_run_on_progress.restype = library.clm_scene_free.restype = library.clm_run_free.restype = None
+    return library
+
+
+def find(program: str, options: Mapping[str, object]) -> Optional[ctypes.CDLL]:
+    """Returns the library beside the program. None: the program must fly, for the options or because a launcher of MPI has started this process."""
+    wanted = {name for name, value in options.items() if value is not None and value is not False}
+    return _load(program) if wanted <= OPTIONS and not any(name in os.environ for name in LAUNCHED) else None
+
+
+def _words(words: Sequence[str]) -> Any:
+    """Returns words of a command line, as option_words makes them, as options of the library."""
+    options: list[str] = []
+    for word in words:
+        if word.startswith("--"):
+            options.append(word[2:])
+        else:
+            options[-1] += "=" + word
+    return (ctypes.c_char_p * (len(options) + 1))(*map(os.fsencode, options), None)
+
+
+def _apart(work: Callable[[], None], cancelled: threading.Event) -> None:
+    """Does the work. The main thread waits for another one that does it, so that it hears of signals. Any exception here cancels the
+    work, and its end is awaited: Thread.join would take an interrupt for the end of the thread."""
+    if threading.current_thread() is not threading.main_thread():
+        return work()
+    done = threading.Event()
+
+    def report() -> None:
+        try:
+            work()
+        finally:
+            done.set()
+    thread = threading.Thread(target=report)
+    try:
+        thread.start()
+        done.wait()
+    except BaseException:
+        cancelled.set()
+        while not done.wait(1) and thread.is_alive():
+            pass
+        raise
+
+
+class Scene:
+    """A scene file with one run, in the library.
+
+    words: options of the command line, which hold for all flights. renamed: makes messages of the library those of the caller."""
+
+    def __init__(self, library: ctypes.CDLL, path: str, words: Sequence[str], renamed: Callable[[str], str]) -> None:
+        self.library, self.renamed, self.scene = library, renamed, ctypes.c_void_p()
+        self._call(library.clm_scene_open, os.fsencode(path), _words(words), ctypes.byref(self.scene))
+        runs = library.clm_scene_runs(self.scene)
+        if runs != 1:
+            self.__exit__()
+            raise errors.refuse("scene", path, f"a file with one run, this one has {runs}")
+
+    def __enter__(self) -> Scene:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.library.clm_scene_free(self.scene)
+
+    def _call(self, function: Any, *arguments: Any, cancelled: Optional[threading.Event] = None) -> None:
+        """Calls a function of the library. Its notes become warnings, its status an exception. cancelled: set where an exception shall end a flight."""
+        notes: list[str] = []
+        ended: list[tuple[int, str]] = []
+        take = _Note(lambda _, text: notes.append(_text(text)))
+
+        def work() -> None:  # notes and errors belong to the thread that calls
+            self.library.clm_on_note(take, None)
+            ended.append((function(*arguments), _text(self.library.clm_error())))
+            self.library.clm_on_note(None, None)
+        _apart(work, cancelled) if cancelled else work()
+        for note in notes:
+            warnings.warn(self.renamed(note), stacklevel=5)
+        status, text = ended[0]
+        if status:
+            raise errors.InputError(self.renamed(text)) if status == 2 else errors.ClustermcmlError(self.renamed(text), status)
+
+    def set(self, numbers: Mapping[str, float]) -> None:
+        """Sets numbers by the names that `set` takes, all at once."""
+        count = len(numbers)
+        self._call(self.library.clm_scene_set_numbers, self.scene, 0, count, (ctypes.c_char_p * count)(*map(os.fsencode, numbers)),
+                   (ctypes.c_double * count)(*numbers.values()))
+
+    def fly(self, words: Sequence[str], progress: Progress) -> Fields:
+        """Flies the scene as it is now. words: further options of this flight."""
+        run, cancelled = ctypes.c_void_p(), threading.Event()
+
+        def show(_: object, done: int, total: int, seconds: float) -> int:
+            if 0 < done < total and seconds > 0:
+                progress.show(100 * done // total, f"{done / seconds:.3g} photons/s, {seconds * (total - done) / done:.0f} s left")
+            return cancelled.is_set()
+        shown = _Progress(show)
+        self._call(self.library.clm_run_open, self.scene, 0, _words(words), ctypes.byref(run))
+        try:
+            self.library.clm_run_on_progress(run, shown, None)
+            self._call(self.library.clm_run_fly, run, ctypes.c_uint64(0), cancelled=cancelled)
+            return _fields(self.library, run)
+        finally:
+            self.library.clm_run_free(run)
+
+
+def _values(array: _Array, pointer: Any) -> Any:
+    shape = tuple(array.size[:array.num_axes])
+    values = np.ctypeslib.as_array(pointer, shape=(array.count,)) if array.count else np.empty(0)
+    return values.reshape(shape).astype(np.float32 if array.single else np.float64)
+
+
+def _fields(library: ctypes.CDLL, run: ctypes.c_void_p) -> Fields:
+    """Returns all arrays and attributes of a run, as read_h5 returns them from its file, and how long it took."""
+    array, held = _Array(), {}
+    i = 0
+    while library.clm_run_item(run, i, ctypes.byref(array)) == 0:
+        name, dims = _text(array.name), tuple(map(_text, array.axis[:array.num_axes]))
+        about = {"units": _text(array.units), "long_name": _text(array.meaning)}
+        held[name] = Field(_values(array, array.value), dims, about)
+        if array.error:
+            held[name + "_se"] = Field(_values(array, array.error), dims, {**about, "long_name": "standard error"})
+            about["ancillary_variables"] = name + "_se"
+        i += 1
+    attributes: dict[str, Union[str, float]] = {}
+    key, text, number = ctypes.c_char_p(), ctypes.c_char_p(), ctypes.c_double()
+    while library.clm_run_attribute(run, len(attributes), ctypes.byref(key), ctypes.byref(text), ctypes.byref(number)) == 0:
+        attributes[_text(key.value)] = number.value if text.value is None else _text(text.value)
+    attributes.update({name: int(attributes[name]) for name in WHOLE if name in attributes})
+    told = json.loads(_text(library.clm_run_json(run)))
+    attributes.update({name: told[name] for name in MEASURED if told.get(name) is not None})
+    return Fields(held, attributes)

@@ -338,18 +338,18 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
     free(outline);
     free(number);
     if (status != CML_OK) return status;
-    to->world.detection =
-        (struct cml_detection){.num_detectors = (int)n,
-                               .num_levels = num_levels,
-                               .num_arcs = set_arcs(scene, windows, num_levels, to),
-                               .arcs = to->detector_arcs,
-                               .split = split_of(&to->world, cml_num_areas(scene), to->detectors, scene->detectors),
-                               .detectors = to->detectors,
-                               .levels = to->detector_levels,
-                               .start = to->detector_cells.start,
-                               .list = to->detector_cells.list,
-                               .per_length = 1 / grid.path_unit,
-                               .top = grid.path_top};
+    to->world.detection = (struct cml_detection){
+        .num_detectors = (int)n,
+        .num_levels = num_levels,
+        .num_arcs = set_arcs(scene, windows, num_levels, to),
+        .arcs = to->detector_arcs,
+        .split = split_of(&to->world, cml_num_areas(scene), to->detectors, scene->detectors),
+        .detectors = to->detectors,
+        .levels = to->detector_levels,
+        .start = to->detector_cells.start,
+        .list = to->detector_cells.list,
+        .per_length = 1 / grid.path_unit,
+        .top = grid.path_top};
     return status;
 }
 

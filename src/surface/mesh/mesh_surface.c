@@ -26,8 +26,7 @@ typedef struct RTCIntersectContext query_context;
 struct cml_mesh_surface {
     struct cml_centred_mesh centred;
     _Atomic ssize_t embree_bytes; /* counted by Embree's threads */
-    RTCScene boxes;               /* Embree's boxes around triangles; the triangles are tested in
-                                     double */
+    RTCScene boxes;               /* Embree's boxes around triangles, which are tested in double */
     struct cml_grid_mesh grid;    /* cells that a query walks, for a sheet */
     struct cml_facet_tree
         tree; /* tree that is searched if the mesh has no cells; a tree without nodes is not used */
@@ -432,8 +431,7 @@ static void build_boxes(struct cml_mesh_surface *surface)
     rtcCommitScene(surface->boxes);
 }
 
-/* Builds Embree's tree and counts its memory, under the lock. Returns CML_E_INPUT if memory runs out,
- * CML_E_DEVICE if Embree fails. */
+/* Builds Embree's tree under the lock. CML_E_INPUT: memory runs out. CML_E_DEVICE: Embree fails. */
 static cml_status build_embree_alone(struct cml_mesh_surface *surface, struct cml_error *err)
 {
     if (!device && !(device = rtcNewDevice(only_the_caller)))

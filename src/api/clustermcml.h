@@ -46,7 +46,7 @@ enum clm_status {
 /* ---- the library ---- */
 
 int clm_api(void);             /* CLM_API of the library that was loaded */
-const char *clm_version(void); /* such as "0.2.0 (d71ca371)" */
+const char *clm_version(void); /* such as "0.3.0 (d71ca371)" */
 const char *clm_error(void);   /* last error of this thread; "" when there was none */
 
 /* Called with one line about input that is valid, but perhaps not meant. */

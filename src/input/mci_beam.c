@@ -265,8 +265,9 @@ static cml_status check_light(const struct cml_mci_reader *reader, const struct 
         return fail_beam(reader, scene, k, "beam: light", value, expected);
     }
     if (beam->light.kind == CML_LIGHT_OF_PARALLEL) return CML_OK;
-    if (beam->light.kind == CML_LIGHT_OF_LAMBERTIAN ? beam->angle == 0 : beam->angle + widest < CML_PI / 2)
-        return CML_OK;
+    const bool half_space =
+        beam->light.kind == CML_LIGHT_OF_LAMBERTIAN || beam->light.kind == CML_LIGHT_OF_NA;
+    if ((half_space && beam->angle == 0) || beam->angle + widest < CML_PI / 2) return CML_OK;
     snprintf(value, sizeof value, "up to %g degrees from an axis of angle %g", widest * degrees,
              beam->angle * degrees);
     return fail_beam(reader, scene, k, "beam: light", value,

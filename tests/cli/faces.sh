@@ -31,6 +31,10 @@ awk -v face="$(number A_face)" '/^A_face #/ { getline; near = ($1 - face) ^ 2 < 
     END { exit !(face > 0.05 && near && error) }' "$work/probe.mco" || complain "A_face in the .mco: $(grep -A1 A_face "$work/probe.mco")"
 grep -q '^# port 3: ring of radii 0.02 and 0.05 cm at (0.1 0) cm, n = 1.5$' "$work/probe.mco" || complain "the .mco has no lines of ports"
 
+# An aperture as large as the index of the port is the half space.
+scene wide 'beam port 1 light=na:1.5' 'port disk 0.01 n=1.5' ""
+expect_code 0 run "$work/wide.mci" --quiet -o "$work"
+
 # A port of n above changes no bit of a result; light that passes it is split as ever.
 for beam in 'beam disk 0.1' 'beam rectangle 0.1 0.2 angle=30' 'beam pencil light=lambertian'; do
     scene open "$beam" "" ""

@@ -103,9 +103,10 @@ CML_FN real cml_depth_over_period(const CML_GLOBAL struct cml_depth_bounds *map,
     return ab > ce ? ab : ce;
 }
 
-/* Returns the horizon (cml_cell_horizon) at a point of a repeated mesh: the highest horizon among the cells
- * in which rounding may have put the point; infinite if rounding leaves more than two cells along an
- * axis. */
+/* Returns the horizon at a point of a repeated mesh: the slope above which a path that leads away from the
+ * mesh meets it no more. It is the highest among the cells in which rounding may have put the point, or
+ * infinite if rounding leaves more than two cells along an axis. A cell of horizons holds 2^horizon_level
+ * cells of the map along each axis. */
 CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_depth_bounds *map,
                                   const CML_GLOBAL real *horizon, struct cml_vec p)
 {

@@ -380,8 +380,8 @@ struct cml_source {
     /* A source inside, far outside of the scene; `middle` is then where the axis meets the level `start`. */
     int is_far;
     real ahead; /* far source: distance along the axis from the source to `middle` */
-    /* Specular reflectance of one packet in weight units, split off at the launch; 0 if packets start in
-     * medium 0 or inside. */
+    /* Rsp of one packet in weight units, which the launch splits off. 0 where the walk finds Rsp itself: if
+     * packets start in medium 0, above boundary 0, or inside the scene. */
     cml_u32 specular;
     /* Light that goes up between the faces of a clear first layer, summed over all passages, in weight units;
      * 0 without such a layer. */

@@ -72,7 +72,8 @@ int clm_scene_runs(const struct clm_scene *scene); /* number of runs in the file
  * checked; after a failure it is what it was before. */
 int clm_scene_set(struct clm_scene *scene, int run, const char *name, const char *value);
 int clm_scene_set_number(struct clm_scene *scene, int run, const char *name, double value);
-/* Sets `count` numbers at once, which may be wrong one by one. */
+/* Sets `count` numbers, and checks the scene after the last one: numbers that only fit together can be set.
+ */
 int clm_scene_set_numbers(struct clm_scene *scene, int run, int count, const char *const *name,
                           const double *value);
 

@@ -82,8 +82,8 @@ cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int 
     return CML_OK;
 }
 
-/* Returns the error between two rounds of the pilot, interpolated linearly in logarithms. The first may have
- * seen nothing. */
+/* Returns how many photons a relative standard error takes, between two rounds of the pilot: the logarithm of
+ * the photons is linear in that of the error. The first round may have seen nothing. */
 static double interpolate(const struct cml_pilot_round rounds[2], int goal, double error)
 {
     const double slope =

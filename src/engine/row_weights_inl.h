@@ -35,8 +35,8 @@ struct cml_row_sums {
     uint64_t *rz;          /* A_rz, if rows have one */
     uint64_t *radii;       /* Rd_rt of the rows; NULL: they have none */
     size_t transmitted_rt; /* distance from Rd_rt to Tt_rt */
-    uint64_t *dir;         /* Rd_dir of the rows, then Tt_dir; NULL: they have none */
-    struct cml_once once;  /* layout of directions, in bins of all rows */
+    uint64_t *dir;        /* sums over directions of all rows of a sweep: Rd_dir, behind it Tt_dir; or NULL */
+    struct cml_once once; /* layout of directions, in bins of all rows */
 };
 
 /* Returns where the sums of the rows of a sweep lie in a tally. Binned arrays by batch come first, then
@@ -286,8 +286,10 @@ static inline void cml_rows_pass_time(const struct cml_world *world, const struc
     if (rows->sums->timed) rows->factor[rows->sums->count + CML_ROW_OUTSIDE] = cml_rows_outside(world, trail);
 }
 
-/* Adds a sampled interaction to a bin of depth and a bin of radius and depth. wide: 1 if a contribution may
- * exceed 31 bits, for which vectors of 32 bits are too narrow. */
+/* Adds a sampled interaction to a bin of depth and a bin of radius and depth, for each row of a sweep: its
+ * weight `unit`, times the absorbed share of the row, times the row's factor, in whole units. rounding:
+ * random number of the packet between 0 and 1. wide: 1 if a contribution may exceed 31 bits, for which
+ * vectors of 32 bits are too narrow. */
 CML_ROWS_INLINE void cml_rows_sample_as(int wide, const struct cml_row_packet *rows, real unit,
                                         const real *restrict share, uint64_t *restrict by_z,
                                         uint64_t *restrict by_rz)

@@ -78,7 +78,8 @@ static inline void rows_keep_time(const struct cml_world *world, struct row_walk
         rows_fly(world, rows, its, packet, rows->now);
 }
 
-/* Updates the weights of all rows of a sweep after a step of a packet: absorption, roulette and the backing.
+/* Updates the weights of all rows of a sweep after a step of a packet, for
+ * absorption, roulette and what a backing kept (P12).
  * Rows are updated at the same events as by the vector loops (cml_flush_deposits), so that both add the same
  * rounded numbers. */
 static inline void rows_step(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)

@@ -454,8 +454,8 @@ static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_wo
 /* Returns the medium in which the middle of a beam lies; 0 is the medium above, where most beams start. */
 int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam)
 {
-    static const double none[3] = {0, 0, 0};
-    return beam->inside ? medium_beside(world, beam, none) : 0;
+    static const double no_offset[3] = {0, 0, 0};
+    return beam->inside ? medium_beside(world, beam, no_offset) : 0;
 }
 
 /* Refuses a beam of which faces and ports stop all. */

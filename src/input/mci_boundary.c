@@ -119,7 +119,8 @@ static cml_status read_samples(struct samples *samples, int *n)
 }
 
 /* Makes the radial heightfield of a boundary from the file's pairs "height, spacing": the radius of a sample
- * is the sum of the spacings before. Radii and heights are scaled to cm. */
+ * is the sum of the spacings before. Radii and heights are scaled to cm; `height` of the boundary is a
+ * further factor of the heights alone. */
 static cml_status sum_radii(const struct samples *samples, struct cml_boundary *boundary)
 {
     const size_t n = samples->num_values / 2;

@@ -44,8 +44,8 @@ static bool is_written(const struct cml_outcome *o, enum cml_quantity quantity)
            !(deep && !cml_quantity_is_fluence(quantity) && lacks_absorption(o));
 }
 
-/* Adds the centres of the bins of depth as a field. An .h5 without absorption has the field, too, so that it
- * has the axes of the .mco. */
+/* Adds the centres of the bins of depth as a field. A field without values has those of its axis. An .h5
+ * without absorption has the field, too, so that it has the axes of the .mco. */
 static void add_depths(struct cml_h5_fields *f)
 {
     struct cml_field *depths = &f->field[f->count++];

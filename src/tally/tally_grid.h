@@ -68,7 +68,7 @@ static inline size_t cml_tally_media(const struct cml_tally_grid *grid)
  * lowest first, so that 2^30 moments fit into 64 bits per part. */
 #define CML_MOMENT_CELLS 3
 #define CML_MOMENT_BITS 27
-#define CML_MOMENT_MOST 281474976710656.0 /* 2^48, the largest number in a moment */
+#define CML_MOMENT_MOST 281474976710656.0 /* 2^48: a packet adds at most this number to a moment */
 
 /* Number of parts of a moment of rows of a sweep (row_cells.h). */
 #define CML_ROW_MOMENT_CELLS 2

@@ -43,8 +43,8 @@ CML_NODISCARD cml_status cml_aim_for_run(const struct cml_options *options, cons
 /* Makes engines that are opened with these options use the aim. */
 void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options);
 
-/* Returns in *of the quantity that --error-of names, as struct cml_run_setup wants it; 0 without the option.
- * CML_E_INPUT. */
+/* Returns in *of the number of the quantity that --error-of names (error_of of struct cml_run_setup); 0
+ * without the option. CML_E_INPUT: the scene has no such quantity. */
 CML_NODISCARD cml_status cml_find_error_of(const struct cml_options *options, const struct cml_scene *scene,
                                            int *of, struct cml_error *err);
 

@@ -205,8 +205,8 @@ static void find_poor(const struct cml_result *flight, const struct cml_result *
         add_poor(cml_effective_packets_by_depth(result), row, &poor[POOR_A_Z]);
 }
 
-/* Shows a note for each quantity that rests on too few effective packets in some rows, which share a
- * flight. */
+/* Shows a note for each quantity whose value rests on too few packets in some rows of a sweep. Rows that
+ * share a flight weigh its packets differently, and few packets may carry nearly all weight. */
 static void note_poor(const struct cml_run_rows *rows, const struct poor_rows poor[NUM_POOR])
 {
     char text[200];

@@ -31,8 +31,9 @@ static void cml_park_lane(struct cml_flight *f, int i)
     f->late &= ~CML_LANE_BIT(i);
 }
 
-/* Draws the optical depths of the queue that cml_queue_draw has found in the tail and left infinite (P2).
- * next: index of the first photon of the queue. */
+/* Draws the optical depths of the queue that cml_queue_draw has found in the tail of the exponential
+ * law and left infinite (P2). next: index of the first photon of the queue; a batch has every
+ * CML_NUM_BATCHES-th photon. */
 static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct cml_launch_queue *queue)
 {
     for (int i = 0; i < CML_QUEUE; i++)
@@ -289,7 +290,8 @@ static void cml_launch_placed(struct cml_flight *f, int at, int first, cml_u32 l
 
 /* Launches packets of the queue into lanes of a group; the queue holds enough. Columns are unpacked: values
  * that lie side by side go to the lanes of the mask, in order. Packets that are transmitted at the first
- * boundary start behind it. */
+ * boundary start behind it. late: lanes whose batch is closed. Packets of other sources than a pencil get
+ * their places at last; so do those of a pencil if the flight from the source is scored. */
 static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;

@@ -178,8 +178,8 @@ static void cml_close_up_rough_walks(struct cml_rough_lanes *w)
     w->walking = left ? ~(uint64_t)0 >> (CML_LANES - left) : 0;
 }
 
-/* Ends the walks among facets of a rough boundary that leave in this round, and closes up the others. steps:
- * facets met so far. */
+/* Ends the walks of the packets that leave the facets of a rough boundary in this round, and moves the walks
+ * that go on to the front of the list. steps: number of facets met so far. */
 static void cml_end_rough_walks(struct cml_flight *f, cml_u32 steps)
 {
     struct cml_rough_lanes *w = f->rough;

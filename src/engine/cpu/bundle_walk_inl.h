@@ -422,7 +422,7 @@ static void cml_scatter_late(struct cml_flight *f)
     }
 }
 
-/* Adds the deposits of all lanes to the voxels of the volume, which threads share. */
+/* Adds the absorbed weight of all lanes to the voxels of the volume, which all threads share. */
 static void cml_scatter_volume(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;

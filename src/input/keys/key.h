@@ -10,8 +10,9 @@
 #define CML_MCI_HUGE 1e30
 #define CML_MCI_TINY 1e-30
 
-/* Groups of keys. A line has the keys of a group together, and their members lie in one struct. X(group, name
- * of the line in the manual, word before the dot in --set; NULL: --set takes no key of the group) */
+/* Groups of keys: the keys that one kind of line has, whose values are members of one struct. The arguments
+ * of X: the group; the name of the line in the manual; the word before the dot in --set, or NULL if --set
+ * takes no key of the group. */
 /* clang-format off */
 #define CML_KEY_GROUPS(X) \
     X(RUNS, "runs", NULL) \
@@ -93,7 +94,7 @@ enum cml_key_type {
     CML_KEY_XYZ,   /* double[3] */
     CML_KEY_WORD,  /* int or enum: which of the words in `noun`, with blanks between them */
     CML_KEY_FLAG,  /* bool: the key alone */
-    CML_KEY_OWN    /* read by the function `own` of the line (mci_options.h) */
+    CML_KEY_OWN    /* its line has a function that reads it: `own` of struct cml_mci_line */
 };
 
 /* Bits of `use` in struct cml_key. */

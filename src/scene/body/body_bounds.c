@@ -144,7 +144,7 @@ static cml_status compare_sphere_with_sheet(struct encounter *e, struct cml_erro
 }
 
 /* True if a part of the body's mesh lies on the wrong side of the boundary, which the body does not meet.
- * Each part then lies wholly on one side. */
+ * Each part then lies wholly on one side. Writes a corner of this part to e->at, for the message. */
 static bool lies_beyond(struct encounter *e, const struct cml_sheet *body)
 {
     for (size_t k = 0; k < body->mesh->num_parts; k++) {

@@ -69,7 +69,7 @@ struct cml_grid_view {
 
 #define CML_GRID_LOOP static __attribute__((noinline))
 
-/* Both depths of a cell in one word of 32 bits. */
+/* The least and the greatest depth of a cell, of 16 bits each, read as one word of 32 bits. */
 typedef uint32_t __attribute__((may_alias)) cml_grid_depths_word;
 
 /* Returns the index of a cell in memory, as cml_grid_mesh_index does. A grid has fewer than 2^28 cells. */

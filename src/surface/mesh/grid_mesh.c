@@ -82,7 +82,8 @@ void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid)
     find_mean(grid);
 }
 
-/* Frees the cells over a mesh and leaves an empty structure, which means that there are no cells. */
+/* Frees the cells over a mesh and leaves an empty structure, which means that there are no cells. The depths
+ * of all levels are one block, which begins with level 0. */
 void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
 {
     free(grid->level[0].depths);

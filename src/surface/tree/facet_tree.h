@@ -49,7 +49,7 @@ struct cml_tree_ray {
     float origin[3], direction[3]; /* position and unit direction of the ray */
     float length;                  /* length of the path, at most FLT_MAX */
     float margin;                  /* margin around the ray: err_margin of rounding.h */
-    int below;                     /* true if the path begins on the side away from which the normals point */
+    int below;                     /* true if the path begins behind the facets, opposite to their normals */
     int exclude;                   /* facet on which the path begins, which does not count; -1: none */
 };
 

@@ -20,11 +20,11 @@ static const char start[] =
     "import sys\n"
     "if sys.path[0] == '': del sys.path[0]\n"
     "def lacks(what):\n"
-    "    sys.stderr.write('clustermcml: %s: %s %s (expected Python 3.9 or later with packages: " CURE
+    "    sys.stderr.write('clustermcml: %s: %s %s (expected Python 3.10 or later with packages: " CURE
     ")\\n'\n"
     "                     % (sys.argv[1], sys.executable, what))\n"
     "    sys.exit(5)\n"
-    "if sys.version_info < (3, 9): lacks('is older than Python 3.9')\n"
+    "if sys.version_info < (3, 10): lacks('is older than Python 3.10')\n"
     "try:\n"
     "    from clustermcml.__main__ import main\n"
     "    code = main()\n"
@@ -78,7 +78,7 @@ cml_status cml_hand_over(int argc, char **argv, struct cml_error *err)
         execvp(python, words);
         status =
             cml_fail(err, CML_E_IO,
-                     "%s: %s cannot be started (%s; expected Python 3.9 or later with packages: " CURE ")",
+                     "%s: %s cannot be started (%s; expected Python 3.10 or later with packages: " CURE ")",
                      argv[1], python, strerror(errno));
     }
     free(words);

@@ -87,7 +87,7 @@ check_texts
 lacks() { # PYTHON LINE [FILE [PATH]]
     code=0
     PATH=${4:-$PATH} CLUSTERMCML_PYTHON=$1 "$program" plot "$work/${3:-fig5.mco}" -o "$work/none.svg" 2>"$work/err" || code=$?
-    test $code -eq 5 && grep -q "^clustermcml: $2 *(\(.*; \)*expected Python 3.9 or later with packages: apt-get install " "$work/err" && test "$(wc -l <"$work/err")" -eq 1 ||
+    test $code -eq 5 && grep -q "^clustermcml: $2 *(\(.*; \)*expected Python 3.10 or later with packages: apt-get install " "$work/err" && test "$(wc -l <"$work/err")" -eq 1 ||
         complain "$2: $code $(cat "$work/err")"
     test ! -e "$work/none.svg" || complain "$2, and a picture"
 }
@@ -107,7 +107,7 @@ lacks "$work/bare" "plot: .* has no module h5py" bare.h5
 with 'sys.modules["matplotlib"] = None'
 lacks "$work/bare" "plot: .* has no module matplotlib"
 with 'sys.version_info = (3, 8, 18)'
-lacks "$work/bare" "plot: .* is older than Python 3.9"
+lacks "$work/bare" "plot: .* is older than Python 3.10"
 
 # An empty PYTHONPATH does not let modules of the current folder in. An error of a library becomes one line.
 mkdir "$work/evil"

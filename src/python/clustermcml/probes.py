@@ -80,7 +80,7 @@ class Probe:
 
     @classmethod
     def six_around_one(cls, fibre: Fibre, spacing: Optional[float] = None, fill: Optional[float] = None, face: Optional[Face] = None,
-                       lit: Sequence[int] = (0,), read: Optional[Sequence[int]] = None) -> "Probe":
+                       lit: Sequence[int] = (0,), read: Optional[Sequence[int]] = None, group: Optional[str] = None) -> "Probe":
         """Six fibres, f1 to f6, around f0.
 
         Args:
@@ -90,13 +90,14 @@ class Probe:
             face: Face below all, such as steel.
             lit: Numbers of the fibres that bring light.
             read: Numbers of the fibres that collect light; None stands for all that are not lit.
+            group: Name of the sum of all that is collected, `detector_GROUP`; None is no sum.
         """
         _check_fibre(fibre)
-        return cls.ring(fibre, 2 * fibre.outer() * (1 + 1e-9) if spacing is None else spacing, 6, True, fill, face, lit, read)
+        return cls.ring(fibre, 2 * fibre.outer() * (1 + 1e-9) if spacing is None else spacing, 6, True, fill, face, lit, read, group)
 
     @classmethod
     def ring(cls, fibre: Fibre, radius: float, count: int = 6, centre: bool = True, fill: Optional[float] = None, face: Optional[Face] = None,
-             lit: Sequence[int] = (0,), read: Optional[Sequence[int]] = None) -> "Probe":
+             lit: Sequence[int] = (0,), read: Optional[Sequence[int]] = None, group: Optional[str] = None) -> "Probe":
         """Fibres on a circle, the first of them on the x axis, and f0 in the middle.
 
         Args:
@@ -108,17 +109,18 @@ class Probe:
             face: Face below all, such as steel.
             lit: Numbers of the fibres that bring light.
             read: Numbers of the fibres that collect light; None stands for all that are not lit.
+            group: Name of the sum of all that is collected, `detector_GROUP`; None is no sum.
         """
         _check_fibre(fibre)
         errors.above_zero("radius", radius)
         turns = [2 * math.pi * i / count for i in range(errors.whole("count", count, 1, MOST_FIBRES))]
         errors.flag("centre", centre)
         places = [(0.0, 0.0)] * centre + [(_cut(radius * math.cos(turn)), _cut(radius * math.sin(turn))) for turn in turns]
-        return cls._made(fibre, places, {"shape": "disk", "radius": radius + fibre.outer()}, fill, face, lit, read)
+        return cls._made(fibre, places, {"shape": "disk", "radius": radius + fibre.outer()}, fill, face, lit, read, group)
 
     @classmethod
     def linear(cls, fibre: Fibre, places: Sequence[float], fill: Optional[float] = None, face: Optional[Face] = None, lit: Sequence[int] = (0,),
-               read: Optional[Sequence[int]] = None) -> "Probe":
+               read: Optional[Sequence[int]] = None, group: Optional[str] = None) -> "Probe":
         """Fibres in a row along x.
 
         Args:
@@ -128,17 +130,18 @@ class Probe:
             face: Face below all, such as steel.
             lit: Numbers of the fibres that bring light.
             read: Numbers of the fibres that collect light; None stands for all that are not lit.
+            group: Name of the sum of all that is collected, `detector_GROUP`; None is no sum.
         """
         _check_fibre(fibre)
         if not isinstance(places, (list, tuple)) or not 1 <= len(places) <= MOST_FIBRES:
             raise errors.refuse("places", places, f"a list of 1 to {MOST_FIBRES} numbers")
         xs = [errors.finite("places", x) for x in places]
         size = {"width": max(xs) - min(xs) + 2 * fibre.outer(), "height": 2 * fibre.outer(), "at": ((max(xs) + min(xs)) / 2, 0.0)}
-        return cls._made(fibre, [(x, 0.0) for x in xs], {"shape": "rectangle", **size}, fill, face, lit, read)
+        return cls._made(fibre, [(x, 0.0) for x in xs], {"shape": "rectangle", **size}, fill, face, lit, read, group)
 
     @classmethod
     def _made(cls, fibre: Fibre, places: Sequence[tuple[float, float]], around: dict[str, Any], fill: Optional[float], face: Optional[Face],
-              lit: Sequence[int], read: Optional[Sequence[int]]) -> "Probe":
+              lit: Sequence[int], read: Optional[Sequence[int]], group: Optional[str]) -> "Probe":
         """Returns the probe of fibres at these places. around: shape of the epoxy."""
         nearest = min((math.dist(a, b) for i, a in enumerate(places) for b in places[:i]), default=math.inf)
         if nearest < 2 * fibre.outer():
@@ -150,7 +153,7 @@ class Probe:
         top: list[Top] = [*([] if face is None else [face]), *([] if fill is None else [Port(n=fill, **around)])]
         for i, at in enumerate(places):
             top += fibre.ports(at, f"f{i}")
-        return cls(top, [Beam("port", port=f"f{i}", light=f"na:{fibre.na!r}") for i in lit], [Detector("port", port=f"f{i}", na=fibre.na) for i in read])
+        return cls(top, [Beam("port", port=f"f{i}", light=f"na:{fibre.na!r}") for i in lit], [Detector("port", port=f"f{i}", na=fibre.na, group=group) for i in read])
 
 
 def _cut(length: float) -> float:

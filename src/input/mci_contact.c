@@ -176,6 +176,12 @@ static bool absorbs_nowhere(const struct cml_scene *scene)
     return true;
 }
 
+/* True if an opaque surface sends all light back. A metal whose index has no real part does. */
+static bool reflects_all(const struct cml_backing_def *surface)
+{
+    return surface->kind == CML_BACKING_METAL ? surface->n == 0 : surface->R >= 1;
+}
+
 /* Refuses walls of which all light comes back forever. */
 static cml_status check_walls(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
@@ -183,11 +189,10 @@ static cml_status check_walls(const struct cml_mci_reader *reader, const struct 
     bool open = whole == 0;
     for (int k = whole ? whole - 1 : 0; k < scene->num_contacts; k++) {
         const struct cml_contact_def *contact = &scene->contacts[k];
-        open |= contact->port || contact->face.kind == CML_BACKING_METAL || contact->face.R < 1;
+        open |= contact->port || !reflects_all(&contact->face);
     }
     const struct cml_backing_def *backing = &scene->backing;
-    if (open || backing->kind == CML_BACKING_NONE || backing->kind == CML_BACKING_METAL || backing->R < 1 ||
-        !absorbs_nowhere(scene))
+    if (open || backing->kind == CML_BACKING_NONE || !reflects_all(backing) || !absorbs_nowhere(scene))
         return CML_OK;
     return cml_fail_field(
         reader->err, scene->file, scene->contacts[whole - 1].line, "face: R", "1",

@@ -149,7 +149,7 @@ for word in beam detector fluence photons m b i rough backing phase; do
     says $word "^## .*\`$word" 140
 done
 for word in layer1.mua layer12.d detector2.na boundary0.height Rd_r mua g n d light InParm; do
-    says $word '^| `' 12
+    says $word '^| `' 20
 done
 for word in fibre wavelength Spectrum roughness BRDF gloss oximetry; do
     says $word "^| .*[a-z].* | \[" 120

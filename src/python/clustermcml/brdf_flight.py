@@ -62,9 +62,9 @@ class Setup:
 
 
 def kind_of(told: Mapping[str, Any]) -> str:
-    """Returns "planes", "tiles" or "hill". A hill is any scene that differs from place to place: other shapes, or bodies."""
+    """Returns "planes", "tiles" or "hill". A hill is any scene that differs from place to place: other shapes, bodies, faces or ports."""
     curved = [boundary for boundary in told["boundaries"] if boundary["kind"] != "plane"]
-    if told.get("bodies") or not all("period" in boundary for boundary in curved):
+    if told.get("bodies") or told.get("top") or not all("period" in boundary for boundary in curved):
         return "hill"
     return "tiles" if curved else "planes"
 

@@ -144,7 +144,7 @@ class Probe:
               lit: Sequence[int], read: Optional[Sequence[int]], group: Optional[str]) -> "Probe":
         """Returns the probe of fibres at these places. around: shape of the epoxy."""
         nearest = min((math.dist(a, b) for i, a in enumerate(places) for b in places[:i]), default=math.inf)
-        if nearest < 2 * fibre.outer():
+        if nearest < 2 * fibre.outer() * (1 - 1e-9):  # touching is allowed
             raise errors.refuse("fibre", fibre, f"an outer radius up to {nearest / 2:g}, half the least distance of two fibres")
         if face is not None and not isinstance(face, Face):
             raise errors.refuse("face", face, "a Face or None")

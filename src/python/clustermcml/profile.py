@@ -257,6 +257,8 @@ def _period(told: Mapping[str, Any], shown: object) -> Optional[Sequence[float]]
     expected = "planes and tiles alone, which are the same everywhere"
     if told.get("bodies"):
         raise errors.refuse("scene", shown, f"{expected}; this one has bodies")
+    if told.get("top"):
+        raise errors.refuse("scene", shown, f"{expected}; faces and ports touch this one")
     for number, boundary in enumerate(told["boundaries"]):
         if boundary["kind"] != "plane" and "period" not in boundary:
             raise errors.refuse("scene", shown, f"{expected}; boundary {number} is neither")

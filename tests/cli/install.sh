@@ -75,7 +75,7 @@ for command in $commands; do
 done
 test "$(complete a.mci -)" = "$(complete run -)" || complain "without a command: $(complete a.mci -)"
 test "$(complete --quiet check a.mci -)" = "$(complete check -)" || complain "a command behind an option is not seen"
-test "$(complete help in)" = input || complain "help in completes to $(complete help in)"
+test "$(complete help inp)" = input || complain "help inp completes to $(complete help inp)"
 (cd "$work/here" && complete "") | sort -u | grep -v -e mixed.mco -e mixed.h5 -e bits >"$work/out"
 test "$(cat "$work/out")" = "$commands" || complain "completion offers other commands: $(cat "$work/out")"
 test "$(complete a.mci --eng)" = --engine || complain "--eng completes to $(complete a.mci --eng)"

@@ -316,7 +316,8 @@ cml_status cml_windows_at(const char *aim, const struct cml_scene *scene,
 {
     struct target target;
     CML_TRY(find_target(scene, surfaces, number, &target, err));
-    CML_FREED struct cml_seen_ring *rings = target.seen.item;
+    CML_FREED struct cml_seen_ring *rings = target.seen.item; /* freed at the end */
+    (void)rings;
     CML_FREED double *importance = malloc(RINGS * CELLS * sizeof *importance);
     if (!importance) return cml_fail_memory(err, RINGS * CELLS * sizeof *importance, "weight windows");
     *windows = lay_out(&target, media);

@@ -47,7 +47,7 @@ ctest --test-dir build-asan -L unit --output-on-failure -j2
 # beside the flights, as each fuzzer has one thread.
 {
     bash tests/fuzz/run.sh runs=4000 fly
-    bash tests/fuzz/run.sh runs=50000 mci obj heightmap options checkpoint sweep
+    bash tests/fuzz/run.sh runs=50000 mci obj stl ply heightmap options checkpoint sweep
     bash tests/fuzz/run.sh runs=1250 mco
 } &
 fuzzers=$!

@@ -253,6 +253,8 @@ static cml_status read_file(struct ply *ply, const struct cml_mesh_budget *budge
     struct cml_mesh_budget quiet = *budget;
     quiet.on_large = NULL;
     CML_TRY(read_header(ply));
+    if (ply->text->cursor > ply->text->size)
+        ply->text->cursor = ply->text->size; /* no line end behind end_header */
     if (!ply->binary && strlen(ply->text->data + ply->text->cursor) + ply->text->cursor < ply->text->size)
         return fail(ply, "data", "a NUL byte", "text without one behind format ascii");
     CML_TRY(cml_mesh_budget_check(budget, (double)ply->num_rows[FACE], CML_POLYGONS_REMEDY, ply->err));

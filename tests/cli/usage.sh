@@ -146,10 +146,10 @@ says() { # WORD PATTERN MOST_LINES
     grep -q -e "$2" "$work/out" && test "$(wc -l <"$work/out")" -le "$3" || complain "help $1: $(cat "$work/out")"
 }
 for word in beam detector fluence photons m b i rough backing phase; do
-    says $word "^## .*\`$word" 140
+    says $word "^## .*\`$word" 120
 done
 for word in layer1.mua layer12.d detector2.na boundary0.height Rd_r mua g n d light InParm; do
-    says $word '^| `' 20
+    says $word '^| `' 12
 done
 for word in fibre wavelength Spectrum roughness BRDF gloss oximetry; do
     says $word "^| .*[a-z].* | \[" 120

@@ -14,7 +14,7 @@ same "$notes" "the latest version" "${latest%% *}" "$1"
 same CITATION.cff version "$(sed -n 's/^version: *//p' CITATION.cff)" "$1"
 same CITATION.cff date-released "($(sed -n 's/^date-released: *//p' CITATION.cff))" "${latest#* }"
 same src/cli/install/recipe.yaml version "$(sed -n 's/^  version: \([0-9.]*\)$/\1/p' src/cli/install/recipe.yaml)" "$1"
-same codemeta.json version "$(sed -n 's/^  "version": "\(.*\)",$/\1/p' codemeta.json)" "$1"
+same src/cli/install/codemeta.json version "$(sed -n 's/^  "version": "\(.*\)",$/\1/p' src/cli/install/codemeta.json)" "$1"
 test -d "tests/files/compat/$1" || { echo "tests/files/compat/$1: is missing (make.sh there says how to make it)"; status=1; }
 grep -q 'project\\(clustermcml VERSION' pyproject.toml || { echo "pyproject.toml: takes no version from CMakeLists.txt"; status=1; }
 exit $status

@@ -36,7 +36,7 @@ LD_LIBRARY_PATH=$lib "$work/shared" samples/none.mci >"$work/out" 2>"$work/err"
 grep -q 'samples/none.mci' "$work/err" && test "$(wc -l <"$work/err")" -eq 1 || complain "a missing scene: $(cat "$work/err")"
 
 mkdir "$work/project"
-printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(example C)' 'find_package(clustermcml REQUIRED)' \
+printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(example C)' "find_package(clustermcml $(pkg-config --modversion clustermcml) REQUIRED)" \
     'add_executable(example ../example.c)' 'target_link_libraries(example PRIVATE clustermcml::clustermcml)' >"$work/project/CMakeLists.txt"
 cmake -S "$work/project" -B "$work/project/build" -DCMAKE_PREFIX_PATH="$work/usr" >"$work/out" 2>&1 &&
     cmake --build "$work/project/build" >>"$work/out" 2>&1 || complain "find_package: $(cat "$work/out")"

@@ -105,11 +105,19 @@ static bool is_row_of(const char *row, const char *word)
     return false;
 }
 
-/* Prints the rows that name a word, under the heads of their tables. Returns how many there are. */
-static int print_rows(FILE *stream, const char *text, const char *word)
+/* True if two lines are equal. A line may be NULL. */
+static bool is_same_line(const char *a, const char *b)
+{
+    const size_t length = a ? strcspn(a, "\n") : 0;
+    return a && b && strcspn(b, "\n") == length && memcmp(a, b, length) == 0;
+}
+
+/* Prints the rows that name a word, under the heads of their tables. *printed: the last head that was
+ * printed, which is not repeated. Returns how many rows there are. */
+static int print_rows(FILE *stream, const char *text, const char *word, const char **printed)
 {
     int count = 0;
-    const char *head = NULL, *printed = NULL;
+    const char *head = NULL;
     for (const char *line = text; *line; line = next_line(line)) {
         if (line[0] != '|') {
             head = NULL;
@@ -117,11 +125,11 @@ static int print_rows(FILE *stream, const char *text, const char *word)
         }
         if (!head) head = line;
         if (line == head || !is_row_of(line, word)) continue;
-        if (printed != head) {
+        if (!is_same_line(*printed, head)) {
             print_line(stream, head);
             print_line(stream, next_line(head));
         }
-        printed = head;
+        *printed = head;
         print_line(stream, line);
         count++;
     }
@@ -201,9 +209,11 @@ static int print_glossary(FILE *stream, const char *word)
 int cml_manual_print_word(FILE *stream, const char *word)
 {
     int count = 0;
+    const char *printed = NULL;
     for (const struct cml_manual_page *page = cml_manual; page->name && *word; page++) {
-        count += print_headed(stream, page->text, word);
-        count += print_rows(stream, page->text, word);
+        const int sections = print_headed(stream, page->text, word);
+        if (sections > 0) printed = NULL;
+        count += sections + print_rows(stream, page->text, word, &printed);
     }
     return count > 0 ? count : print_glossary(stream, word);
 }

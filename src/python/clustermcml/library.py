@@ -103,10 +103,10 @@ def _apart(work: Callable[[], None], cancelled: threading.Event) -> None:
 class Scene:
     """A scene file with one run, in the library.
 
-    words: options of the command line, which hold for all flights. renamed: makes messages of the library those of the caller."""
+    words: options of the command line. renamed: makes messages of the library those of the caller."""
 
     def __init__(self, library: ctypes.CDLL, path: str, words: Sequence[str], renamed: Callable[[str], str]) -> None:
-        self.library, self.renamed, self.scene = library, renamed, ctypes.c_void_p()
+        self.dll, self.renamed, self.scene = library, renamed, ctypes.c_void_p()
         self._call(library.clm_scene_open, os.fsencode(path), _words(words), ctypes.byref(self.scene))
         runs = library.clm_scene_runs(self.scene)
         if runs != 1:
@@ -117,7 +117,7 @@ class Scene:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.library.clm_scene_free(self.scene)
+        self.dll.clm_scene_free(self.scene)
 
     def _call(self, function: Any, *arguments: Any, cancelled: Optional[threading.Event] = None) -> None:
         """Calls a function of the library. Its notes become warnings, its status an exception. cancelled: set where an exception shall end a flight."""
@@ -126,9 +126,9 @@ class Scene:
         take = _Note(lambda _, text: notes.append(_text(text)))
 
         def work() -> None:  # notes and errors belong to the thread that calls
-            self.library.clm_on_note(take, None)
-            ended.append((function(*arguments), _text(self.library.clm_error())))
-            self.library.clm_on_note(None, None)
+            self.dll.clm_on_note(take, None)
+            ended.append((function(*arguments), _text(self.dll.clm_error())))
+            self.dll.clm_on_note(None, None)
         _apart(work, cancelled) if cancelled else work()
         for note in notes:
             warnings.warn(self.renamed(note), stacklevel=5)
@@ -136,14 +136,8 @@ class Scene:
         if status:
             raise errors.InputError(self.renamed(text)) if status == 2 else errors.ClustermcmlError(self.renamed(text), status)
 
-    def set(self, numbers: Mapping[str, float]) -> None:
-        """Sets numbers by the names that `set` takes, all at once."""
-        count = len(numbers)
-        self._call(self.library.clm_scene_set_numbers, self.scene, 0, count, (ctypes.c_char_p * count)(*map(os.fsencode, numbers)),
-                   (ctypes.c_double * count)(*numbers.values()))
-
     def fly(self, words: Sequence[str], progress: Progress) -> Fields:
-        """Flies the scene as it is now. words: further options of this flight."""
+        """Flies the scene. words: further options of this flight."""
         run, cancelled = ctypes.c_void_p(), threading.Event()
 
         def show(_: object, done: int, total: int, seconds: float) -> int:
@@ -151,13 +145,13 @@ class Scene:
                 progress.show(100 * done // total, f"{done / seconds:.3g} photons/s, {seconds * (total - done) / done:.0f} s left")
             return cancelled.is_set()
         shown = _Progress(show)
-        self._call(self.library.clm_run_open, self.scene, 0, _words(words), ctypes.byref(run))
+        self._call(self.dll.clm_run_open, self.scene, 0, _words(words), ctypes.byref(run))
         try:
-            self.library.clm_run_on_progress(run, shown, None)
-            self._call(self.library.clm_run_fly, run, ctypes.c_uint64(0), cancelled=cancelled)
-            return _fields(self.library, run)
+            self.dll.clm_run_on_progress(run, shown, None)
+            self._call(self.dll.clm_run_fly, run, ctypes.c_uint64(0), cancelled=cancelled)
+            return _fields(self.dll, run)
         finally:
-            self.library.clm_run_free(run)
+            self.dll.clm_run_free(run)
 
 
 def _values(array: _Array, pointer: Any) -> Any:

@@ -1,5 +1,6 @@
 """Tests of flights in this process, by libclustermcml: arrays and attributes are those of the program's .h5, to the bit, also of 20 runs at once;
 no process starts; an interrupt stops a flight; many flights take no more memory; and messages are those of the program."""
+import ctypes
 import os
 import signal
 import subprocess
@@ -111,7 +112,7 @@ class InProcess(unittest.TestCase):
         count, held = 10000 if WHOLE else 900, []
         with library.Scene(loaded, sample("fig5"), ["--photons", "100", "--threads", "1"], str) as scene:
             for k in range(count):
-                scene.set({"layer1.mua": 0.1 + k / count})
+                self.assertEqual(loaded.clm_scene_set_number(scene.scene, 0, b"layer1.mua", ctypes.c_double(0.1 + k / count)), 0)
                 result = scene.fly(["--seed", str(k)], Progress(False))
                 held += [memory()] if k % (count // 3) == count // 3 - 1 else []
         self.assertEqual(result["layer_mua"].values[0], 0.1 + (count - 1) / count)

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Installs the Debian packages that clustermcml needs, from the one list of them; Debian 12, Debian 13 and Ubuntu 24.04
 # have the same names. `packages.sh` installs missing packages to build, run and plot; `packages.sh test` also those of
-# the tests; `packages.sh names` prints the names of both, and installs nothing. Asks for sudo only if something is
-# missing.
+# the tests; `packages.sh names` prints the names of both, and installs nothing. `packages.sh wheel` installs those of
+# samples/wheel.sh alone, and `packages.sh wheel-aarch64` its compiler for ARM. Asks for sudo only if something is missing.
 # SPDX-License-Identifier: MIT
 set -eu
 packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin python3-h5py python3-matplotlib python3-scipy python3-xarray
@@ -14,6 +14,10 @@ if test "${1:-}" = test || test "${1:-}" = names; then
     # A Slurm of one node, which its test starts. Debian starts none without a configuration.
     packages="$packages munge slurmctld slurmd slurm-client slurm-wlm-basic-plugins"
 fi
+case ${1:-} in
+wheel) packages="cmake make gcc g++ libc6-dev pkg-config git ca-certificates python3-venv" ;;
+wheel-aarch64) packages="gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static" ;;
+esac
 
 test "${1:-}" != names || { printf '%s\n' $packages; exit 0; }
 

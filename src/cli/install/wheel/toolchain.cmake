@@ -8,6 +8,8 @@ if(NOT CMAKE_HOST_SYSTEM_PROCESSOR STREQUAL "$ENV{WHEEL_ARCH}")
     set(CMAKE_SYSTEM_PROCESSOR $ENV{WHEEL_ARCH})
     # the compiler's own headers of a later glibc would come first
     set(CMAKE_C_FLAGS_INIT "-isystem ${root}/usr/include/${triplet} -isystem ${root}/usr/include")
+    set(library /usr/${triplet}/include/c++/12) # before the root's, which it wraps
+    set(CMAKE_CXX_FLAGS_INIT "-nostdinc++ -isystem ${library} -isystem ${library}/${triplet} ${CMAKE_C_FLAGS_INIT}")
     set(CMAKE_CROSSCOMPILING_EMULATOR qemu-$ENV{WHEEL_ARCH}-static -L ${root})
 endif()
 set(CMAKE_C_COMPILER ${triplet}-gcc-12)

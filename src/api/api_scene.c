@@ -73,7 +73,8 @@ static const struct {
              {"rings", true},         {"mesh-search", true},
              {"engine", false},       {"threads", false},
              {"chunk", false},        {"device", false},
-             {"group", false},        {"build-options", false}};
+             {"group", false},        {"build-options", false},
+             {"reweight", false}};
 
 static cml_status check_known(const char *option, bool reads, struct cml_error *err)
 {

@@ -17,7 +17,7 @@
  *
  * Options are those of `clustermcml run`, without dashes, in an array that NULL ends:
  * {"photons=1e6", "seed=7", "threads=2", "ignore-absorption", NULL}. NULL: none. Options about files,
- * checkpoints, sweeps and ranks belong to the program alone.
+ * checkpoints and ranks belong to the program alone.
  *
  * Strings are UTF-8. Lengths are cm, coefficients 1/cm, times ps, as in scene files.
  * SPDX-License-Identifier: MIT */
@@ -130,6 +130,19 @@ const char *clm_run_json(const struct clm_run *run);
 
 /* Writes the files that `run --output path` writes. */
 int clm_run_write(struct clm_run *run, const char *path);
+
+/* ---- sweeps ---- */
+
+/* Called with each row of a sweep, from 0, when it has flown: a run whose results can be read during the
+ * call. Returns 0 to go on; else the sweep is cancelled. */
+typedef int clm_row(void *context, int row, struct clm_run *run);
+
+/* Flies a scene with one run once for each row of a table, whose text is that of a file of `--sweep`:
+ * "layer1.mua,seed\n0.1,1\n0.2,2\n". All rows are checked before the first one flies. With the option
+ * "reweight" rows that differ in mua alone share a flight. progress hears of each flight, NULL: none; it and
+ * `row` get the same context. */
+int clm_scene_sweep(struct clm_scene *scene, const char *const *options, const char *table,
+                    clm_progress *progress, clm_row *row, void *context);
 
 #ifdef __cplusplus
 }

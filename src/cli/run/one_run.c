@@ -65,6 +65,14 @@ static void note_trapped(const struct cml_report *report)
     cml_show_note(NULL, text);
 }
 
+static cml_status write_files(const struct cml_options *options, struct cml_report *report,
+                              struct cml_error *err)
+{
+    CML_FREED char *path = NULL;
+    CML_TRY(cml_output_path(options, report->scene->output, &path, err));
+    return cml_report_write(report, path, err);
+}
+
 /* Writes the files of a run and then prints its summary, so that the printed text is true. A run with lost
  * packets or an imbalance is written, too; its status is returned last. */
 static cml_status publish(const struct cml_run_call *call, struct cml_report *report,
@@ -72,10 +80,8 @@ static cml_status publish(const struct cml_run_call *call, struct cml_report *re
 {
     const struct cml_options *options = call->options;
     struct cml_exact exact = {0};
-    char *path = NULL;
-    CML_TRY(cml_output_path(options, report->scene->output, &path, err));
-    cml_status status = cml_report_write(report, path, err);
-    free(path);
+    cml_status status = options->receiver ? options->receiver->take(options->receiver->context, report, err)
+                                          : write_files(options, report, err);
     if (status == CML_OK && call->row == 0 && (options->json || !options->quiet))
         status = solve_flat(report, &exact, err);
     if (status == CML_OK) status = cml_report_record(report, record, err);
@@ -461,7 +467,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     struct cml_run_setup *setup = &run->flight.setup;
     CML_TRY(cml_prepare(options, call->shared, &run->flight, err));
     CML_TRY(identify(call, run, err));
-    if (!call->rows && cml_cluster_rank() == 0)
+    if (!call->rows && !options->receiver && cml_cluster_rank() == 0)
         CML_TRY(cml_before_look(options, setup, call->row, &run->before, err));
     setup->gone = options->resume ? run->before.gone : NULL;
     setup->how_gone = run->before.how;
@@ -483,6 +489,11 @@ static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml
     setup.resume = options->resume;
     setup.on_progress = cml_progress_show;
     setup.context = display;
+    if (!options->receiver) return setup;
+    setup.on_progress = options->receiver->on_progress;
+    setup.cancelled = options->receiver->cancelled;
+    setup.on_note = options->receiver->on_note;
+    setup.context = options->receiver->context;
     return setup;
 }
 

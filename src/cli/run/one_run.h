@@ -4,7 +4,19 @@
 
 #include "cli/options/options.h"
 #include "cli/run/pending.h"
+#include "output/report.h"
 #include "run/run.h"
+
+/* Takes the results of flights in place of files, and hears of their progress. */
+struct cml_receiver {
+    /* Reads a report, whose outcome it makes. CML_E_STOPPED: no more rows are wanted. */
+    cml_status (*take)(void *context, struct cml_report *report, struct cml_error *err);
+    /* members of cml_run_setup */
+    cml_progress_function *on_progress;
+    bool (*cancelled)(void *context);
+    cml_note_function *on_note;
+    void *context;
+};
 
 /* Rows of a sweep from one flight (P16); each row has its own result. */
 struct cml_run_rows {

@@ -129,6 +129,7 @@ static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
     struct cml_engine_options ignored = sweep->options->engine_options;
     for (int row = 0; row < sweep->table.num_rows; row++) CML_TRY(check_row(sweep, row, err));
     CML_TRY(cml_sweep_check_groups(sweep, &ignored, err));
+    if (sweep->options->receiver) return CML_OK;
     const size_t count = (size_t)sweep->table.num_rows + 2;
     CML_FREED struct cml_scene *scenes = calloc(count, sizeof *scenes);
     if (!scenes) return cml_fail_memory(err, (double)(count * sizeof *scenes), "the rows");
@@ -511,9 +512,10 @@ static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
     if (cml_cluster_rank() == 0 && sweep->num_anew > 0) note_anew(sweep);
     if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json) announce(sweep);
-    cml_pending_begin(&sweep->pending);
+    if (!options->receiver) cml_pending_begin(&sweep->pending);
     cml_status status = sweep->group ? cml_sweep_fly_groups(sweep, err)
                                      : cml_sweep_rows_fly(&sweep->rows, options->json, fly_row, sweep, err);
+    if (options->receiver) return status;
     const bool complete = status == CML_OK || status == CML_E_NUMERIC;
     const bool marks = !complete || cml_run_leaves_checkpoints(options);
     status = cml_sweep_add_safety(status, cml_pending_end(&sweep->pending, marks, &why), &why, err);

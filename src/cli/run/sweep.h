@@ -10,6 +10,7 @@
  * totals. list: one run, the scene before its numbers are set. inputs: the files that it was read from, the
  * table last. The result of a row has the same bytes as a run with --set of its cells. If there are more rows
  * than ranks, each rank flies rows by itself, one after the other; else all ranks fly each row together.
+ * With options->receiver nothing is written.
  * Collective. CML_E_NUMERIC: all is written, but the result of a row cannot be trusted. */
 CML_NODISCARD cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
                                    struct cml_inputs *inputs, struct cml_error *err);

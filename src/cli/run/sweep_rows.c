@@ -42,8 +42,10 @@ static cml_status fly_one(struct cml_sweep_rows *rows, int row, cml_sweep_fly_fu
 /* Prints the JSON record of a row on rank 0, and frees it on all ranks. */
 static void print_json(struct cml_record *record, bool json)
 {
-    if (json && record->json && cml_cluster_rank() == 0) fputs(record->json, stdout);
-    fflush(stdout);
+    if (json && record->json && cml_cluster_rank() == 0) {
+        fputs(record->json, stdout);
+        fflush(stdout);
+    }
     free(record->json);
     record->json = NULL;
 }

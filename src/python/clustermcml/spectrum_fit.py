@@ -20,7 +20,7 @@ import numpy as np
 from . import errors
 from .fit import NOISY, OTHER_SEED, REDRAWN, Fit, _fly_rows, _noise, _numbered, _numbers, _numbers_of, _slope
 from .least_squares import TINY, correlation, minimum, unlikely
-from .measured import PROFILES, Data, check_name, check_number, is_detector, read_measured
+from .measured import PROFILES, Data, check_name, check_number, read_measured
 from .media import wavelengths as rising
 from .options import Path
 from .scene import Scene

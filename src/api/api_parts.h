@@ -3,7 +3,7 @@
 
 #include "api/clustermcml.h"
 #include "base/input_files.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 
 #include <locale.h>
 

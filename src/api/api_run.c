@@ -1,8 +1,8 @@
 /* Runs of the C library, and their results as arrays. SPDX-License-Identifier: MIT */
 #include "api/api_parts.h"
 
-#include "cli/load/beam_notes.h"
-#include "cli/run/prepare.h"
+#include "simulation/beam_notes.h"
+#include "simulation/simulation.h"
 #include "run/identity.h"
 
 #include <stdatomic.h>

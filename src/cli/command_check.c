@@ -1,7 +1,7 @@
 /* clustermcml check: prints all that is known about a scene without a run. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
-#include "cli/load/beam_notes.h"
+#include "simulation/beam_notes.h"
 #include "cli/run/outputs.h"
 #include "cli/run/sweep.h"
 #include "exact/exact.h"

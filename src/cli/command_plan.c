@@ -5,7 +5,7 @@
 #include "base/clock.h"
 #include "base/json_name.h"
 #include "base/version.h"
-#include "cli/run/aim.h"
+#include "simulation/aim.h"
 #include "engine/engines.h"
 #include "result/quantity.h"
 #include "run/cluster/cluster.h"

@@ -4,7 +4,7 @@
 
 #include "lib/dice.h"
 
-#include "cli/run/aim.h"
+#include "simulation/aim.h"
 
 #include <stdlib.h>
 

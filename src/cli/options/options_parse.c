@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/options/options_parse.h"
 
-#include "cli/options/option_table.h"
-#include "cli/options/option_values.h"
+#include "options/option_table.h"
+#include "options/option_values.h"
 #include "engine/engines.h"
 
 #include <stdio.h>

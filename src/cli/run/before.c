@@ -3,7 +3,7 @@
 
 #include "base/atomic_file.h"
 #include "base/text.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "output/files/vtk.h"
 #include "output/report.h"
 #include "result/head.h"

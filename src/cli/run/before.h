@@ -1,7 +1,7 @@
 /* The files that a run finds on the disk before it flies. SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/options/options.h"
+#include "options/options.h"
 #include "output/report.h"
 #include "run/run.h"
 

@@ -4,7 +4,7 @@
 #include "base/array.h"
 #include "base/atomic_file.h"
 #include "base/text.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "cli/run/before.h"
 #include "cli/run/one_run.h"
 #include "output/files/hdf5_file.h"

@@ -4,7 +4,7 @@
 
 #include "base/file_lock.h"
 #include "base/input_files.h"
-#include "cli/options/options.h"
+#include "options/options.h"
 
 /* The kinds of files of a run: the main result, files beside it, and the checkpoint. */
 enum cml_output_kind { CML_OUTPUT_MAIN, CML_OUTPUT_BESIDE, CML_OUTPUT_CHECKPOINT };

@@ -4,7 +4,7 @@
 #include "base/array.h"
 #include "base/atomic_file.h"
 #include "base/clock.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,9 +3,9 @@
 
 #include "base/text.h"
 #include "base/version.h"
-#include "cli/load/beam_notes.h"
-#include "cli/load/scenes.h"
-#include "cli/run/aim.h"
+#include "simulation/beam_notes.h"
+#include "simulation/scenes.h"
+#include "simulation/aim.h"
 #include "cli/run/before.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"

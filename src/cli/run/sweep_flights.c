@@ -2,7 +2,7 @@
 #include "cli/run/sweep_flights.h"
 
 #include "base/text.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "cli/run/one_run.h"
 #include "input/sweep/sweep_groups.h"
 #include "run/cluster/cluster.h"

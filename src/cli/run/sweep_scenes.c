@@ -2,7 +2,7 @@
 #include "cli/run/sweep_scenes.h"
 
 #include "base/text.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "output/report.h"
 #include "run/cluster/cluster.h"
 

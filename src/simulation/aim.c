@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/aim.h"
+#include "simulation/aim.h"
 
 #include "aim/windows.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "exact/tail_response.h"
 
 #include <stdio.h>

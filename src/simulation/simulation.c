@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/prepare.h"
+#include "simulation/simulation.h"
 
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "run/identity.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 
 #include "engine/engines.h"
 #include "engine/plane_trial.h"

@@ -2,8 +2,8 @@
  * and the C library (api/clustermcml.h) fly what is prepared here. SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/options/options.h"
-#include "cli/run/aim.h"
+#include "options/options.h"
+#include "simulation/aim.h"
 #include "output/report.h"
 #include "run/run.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/load/beam_notes.h"
+#include "simulation/beam_notes.h"
 
 #include "base/constants.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "engine/world.h"
 #include "geometry/footprint.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/options/option_table.h"
+#include "options/option_table.h"
 
 #include "base/text.h"
-#include "cli/options/option_values.h"
+#include "options/option_values.h"
 
 #include <float.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/status.h"
-#include "cli/options/command_table.h"
+#include "options/command_table.h"
 
 #include <stddef.h>
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/input_files.h"
-#include "cli/options/options.h"
+#include "options/options.h"
 #include "exact/exact.h"
 #include "run/run.h"
 

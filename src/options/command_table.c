@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/options/command_table.h"
+#include "options/command_table.h"
 
 #include "base/text.h"
 

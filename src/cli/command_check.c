@@ -1,12 +1,12 @@
 /* clustermcml check: prints all that is known about a scene without a run. SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
-#include "simulation/beam_notes.h"
-#include "cli/run/outputs.h"
 #include "cli/run/sweep.h"
+#include "cli/run/terminal.h"
 #include "exact/exact.h"
 #include "output/report.h"
 #include "scene/body/body_shape.h"
+#include "simulation/beam_notes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -232,7 +232,7 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
                        const struct cml_mean_shapes *mean, const struct cml_sweep_size *sweep,
                        struct cml_error *err)
 {
-    const double bytes = cml_most_memory(options, scene, surfaces);
+    const double bytes = cml_memory_of(options, scene, surfaces).most;
     struct cml_exact exact;
     bool known = false;
     if (!options->json) print_scene(options, scene, surfaces, starts, mean);
@@ -266,8 +266,8 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
 /* Runs `check`: reads scenes and sweeps as a run would, reports what was understood, and flies nothing. */
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)
 {
-    struct cml_scene_list list;
-    struct cml_inputs inputs = {0};
+    CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
+    CML_AT_END(cml_inputs_clear) struct cml_inputs inputs = {0};
     CML_TRY(cml_load_scenes_as_run(options, &list, &inputs, err));
     struct cml_sweep_size sweep;
     struct cml_options flown = *options;
@@ -277,7 +277,5 @@ cml_status cml_command_check(const struct cml_options *options, struct cml_error
     if (status == CML_OK && sweep.rows > 0 && !options->json)
         printf("  %d row%s of %s: %d flight%s\n", sweep.rows, sweep.rows == 1 ? "" : "s", options->sweep,
                sweep.flights, sweep.flights == 1 ? "" : "s");
-    cml_scene_list_clear(&list);
-    cml_inputs_clear(&inputs);
     return status;
 }

@@ -24,7 +24,7 @@ cml_status cml_command_exact(const struct cml_options *options, struct cml_error
     struct cml_options flat = *options;
     CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
     flat.ignore_heightfields = true;
-    CML_TRY(cml_load_scenes(&flat, &list, err));
+    CML_TRY(cml_load_scenes(&flat, NULL, &list, err));
     for (int i = 0; i < list.count; i++) CML_TRY(solve(options, &list.scenes[i], err));
     return CML_OK;
 }

@@ -3,17 +3,16 @@
 
 #include "base/text.h"
 #include "base/version.h"
-#include "simulation/beam_notes.h"
-#include "simulation/aim.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
-#include "simulation/simulation.h"
 #include "cli/run/sweep.h"
 #include "cli/run/sweep_flights.h"
 #include "run/cluster/cluster.h"
 #include "run/identity.h"
 #include "run/join.h"
 #include "run/stop.h"
+#include "simulation/beam_notes.h"
+#include "simulation/simulation.h"
 
 #include <inttypes.h>
 #include <limits.h>

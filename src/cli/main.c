@@ -8,12 +8,14 @@
 #include "cli/hand_over.h"
 #include "cli/options/help.h"
 #include "cli/options/options_parse.h"
+#include "cli/run/terminal.h"
 #include "run/stop.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 cml_status cml_command_help(const struct cml_options *options, struct cml_error *err)
@@ -46,6 +48,15 @@ static cml_status answer(const struct cml_options *options, struct cml_error *er
     return CML_OK;
 }
 
+/* Shows that a large mesh is being made: on a terminal at once; in a log only if the wait is as long as that
+ * for the first line of progress. Only rank 0 shows it. */
+static void show_large_mesh(void *context, const char *text, double seconds)
+{
+    const struct cml_options *options = context;
+    if (options->quiet || options->json || cml_cluster_rank() != 0) return;
+    if (isatty(STDERR_FILENO) || seconds >= 10) fprintf(stderr, "%s\n", text);
+}
+
 /* Reads the options and does the command on all ranks. All return the worst status of all, and its
  * message. */
 static cml_status work(int argc, char **argv, struct cml_error *err)
@@ -54,8 +65,10 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
     CML_TRY(cml_escape_output(options.json, err));
     cml_cluster_set_timeout(options.timeout);
-    cml_announce_meshes(&options);
-    options.engine_options.on_note = cml_show_note;
+    options.surface.budget.on_large = show_large_mesh;
+    options.surface.budget.context = &options;
+    options.engine_options.on_note = cml_print_note;
+    cml_notes.to = cml_print_note;
     cml_status status = answer(&options, err);
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK && !cml_output_unread())
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");
@@ -68,6 +81,20 @@ static void complain(cml_status status, const struct cml_error *err)
     if (status == CML_OK) return;
     fputs("clustermcml: ", stderr);
     cml_print_line(stderr, err->text);
+}
+
+/* least stack of the program in KiB; with 192 all samples and commands ran, and the compiler of PoCL, too
+ * (x86-64, gcc 12) */
+enum { LEAST_STACK = 256 };
+
+/* Refuses less stack than the main thread, which flies photons, too, may need. Called before MPI begins,
+ * which also needs some. Other threads have stacks of their own size. */
+static cml_status check_stack(struct cml_error *err)
+{
+    struct rlimit stack;
+    if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= LEAST_STACK * (rlim_t)1024) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "ulimit -s is %llu KiB (expected %d or more)",
+                    (unsigned long long)stack.rlim_cur / 1024, LEAST_STACK);
 }
 
 /* Opens the standard streams that are closed: a file opened later would get their number, and receive text
@@ -102,7 +129,7 @@ int main(int argc, char **argv)
     open_standard_streams();
     cml_stop_ignore();
     cml_stop_with_parent();
-    cml_status status = cml_check_stack(&err);
+    cml_status status = check_stack(&err);
     if (status == CML_OK) status = cml_cluster_begin(&argc, &argv, &err);
     if (status != CML_OK) {
         complain(status, &err);

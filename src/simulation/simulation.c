@@ -32,76 +32,109 @@ cml_status cml_check_differentiated(const struct cml_options *options, const str
                     scene->file, scene->time.line);
 }
 
-struct cml_run_setup cml_setup_of(const struct cml_options *options, const struct cml_scene *scene,
-                                  uint64_t seed, uint32_t run)
+void cml_simulation_begin(const struct cml_options *options, const struct cml_scene *scene, uint64_t seed,
+                          uint32_t run, struct cml_simulation *sim)
 {
-    struct cml_run_setup setup = {.scene = scene,
-                                  .engine = options->engine,
-                                  .options = options->engine_options,
-                                  .photons = options->photons ? options->photons : scene->photons,
-                                  .target_error = options->target_error,
-                                  .on_note = cml_show_note};
-    setup.options.seed = seed;
-    setup.options.run = run;
-    return setup;
+    *sim = (struct cml_simulation){.options = options,
+                                   .setup = {.scene = scene,
+                                             .engine = options->engine,
+                                             .options = options->engine_options,
+                                             .photons = options->photons ? options->photons : scene->photons,
+                                             .target_error = options->target_error,
+                                             .on_note = options->engine_options.on_note}};
+    sim->setup.options.seed = seed;
+    sim->setup.options.run = run;
 }
 
-struct cml_options cml_all_photons(const struct cml_options *options, const struct cml_run_setup *setup)
+struct cml_options cml_all_photons(const struct cml_simulation *sim)
 {
-    struct cml_options all = *options;
-    all.photons = setup->photons;
+    struct cml_options all = *sim->options;
+    all.photons = sim->setup.photons;
     all.more = 0;
     return all;
 }
 
-cml_status cml_prepare(const struct cml_options *options, const struct cml_surface_set *shared,
-                       struct cml_prepared *run, struct cml_error *err)
+cml_status cml_simulation_prepare(struct cml_simulation *sim, const struct cml_surface_set *shared,
+                                  struct cml_error *err)
 {
-    struct cml_options mine = *options;
-    struct cml_run_setup *setup = &run->setup;
-    mine.surface.shared = shared;
-    const struct cml_options all = cml_all_photons(&mine, setup);
-    CML_TRY(cml_choose_surfaces(&mine, setup->scene, &run->surfaces, err));
-    CML_TRY(cml_check_memory(&all, setup->scene, &run->surfaces, err));
-    setup->surfaces = &run->surfaces;
-    CML_TRY(cml_aim_for_run(&mine, setup->scene, setup->surfaces, &run->aim, err));
-    cml_aim_use(&run->aim, &setup->options);
-    return cml_find_error_of(&mine, setup->scene, &setup->error_of, err);
+    struct cml_options all = cml_all_photons(sim);
+    struct cml_run_setup *setup = &sim->setup;
+    all.surface.shared = shared;
+    CML_TRY(cml_choose_surfaces(&all, setup->scene, &sim->surfaces, err));
+    CML_TRY(cml_check_memory(&all, setup->scene, &sim->surfaces, err));
+    setup->surfaces = &sim->surfaces;
+    CML_TRY(cml_aim_for_run(&all, setup->scene, setup->surfaces, &sim->aim, err));
+    cml_aim_use(&sim->aim, &setup->options);
+    return cml_find_error_of(&all, setup->scene, &setup->error_of, err);
 }
 
-cml_status cml_prepared_identify(const struct cml_options *options, const char *inputs,
-                                 struct cml_prepared *run, struct cml_error *err)
+cml_status cml_simulation_identify(struct cml_simulation *sim, const char *inputs, struct cml_error *err)
 {
-    free(run->identity);
-    run->identity = NULL;
-    run->provenance = cml_run_provenance(&run->setup, &options->surface, options->ignore_heightfields);
-    run->provenance.aim = options->aim;
-    run->provenance.error_of = options->error_of;
-    run->setup.provenance = &run->provenance;
-    CML_TRY(cml_identity_of(&run->provenance, run->setup.scene->settings, inputs, &run->identity, err));
-    run->setup.identity = run->identity;
+    const struct cml_options *options = sim->options;
+    free(sim->identity);
+    sim->identity = NULL;
+    sim->provenance = cml_run_provenance(&sim->setup, &options->surface, options->ignore_heightfields);
+    sim->provenance.aim = options->aim;
+    sim->provenance.error_of = options->error_of;
+    sim->setup.provenance = &sim->provenance;
+    CML_TRY(cml_identity_of(&sim->provenance, sim->setup.scene->settings, inputs, &sim->identity, err));
+    sim->setup.identity = sim->identity;
     return CML_OK;
 }
 
-struct cml_report cml_prepared_report(const struct cml_prepared *run, const struct cml_run_result *flown,
-                                      const char *command)
+/* Adds the photons of a flight to those before. */
+static void add(struct cml_run_result *flown, struct cml_run_result *before)
 {
-    const struct cml_run_setup *setup = &run->setup;
+    if (before->result.photons > 0) {
+        cml_run_add(&flown->result, &before->result);
+        flown->timing.seconds += before->timing.seconds;
+        flown->timing.rank[0].elapsed += before->timing.rank[0].elapsed;
+        flown->timing.rank[0].processor += before->timing.rank[0].processor;
+    }
+    cml_run_result_free(before);
+    *before = *flown;
+}
+
+cml_status cml_simulation_fly(struct cml_simulation *sim, uint64_t photons, struct cml_error *err)
+{
+    struct cml_run_setup slice = sim->setup;
+    struct cml_run_result flown;
+    const uint64_t before = sim->flown.result.photons;
+    if (slice.target_error > 0 ? photons > 0 || before > 0 : photons == 0 && before > 0)
+        return cml_fail(err, CML_E_INPUT, "%llu photons behind %llu (expected %s)",
+                        (unsigned long long)photons, (unsigned long long)before,
+                        slice.target_error > 0 ? "0, once, with target-error" : "1 or more");
+    if (photons > ((uint64_t)1 << 48) - before)
+        return cml_fail(err, CML_E_INPUT, "%llu photons behind %llu (expected at most 2^48 together)",
+                        (unsigned long long)photons, (unsigned long long)before);
+    if (before > 0) slice.base = before;
+    if (photons > 0) slice.photons = before + photons;
+    CML_TRY(cml_run(&slice, &flown, err));
+    sim->setup.photons = slice.photons;
+    add(&flown, &sim->flown);
+    return CML_OK;
+}
+
+struct cml_report cml_simulation_report(const struct cml_simulation *sim)
+{
+    const struct cml_run_setup *setup = &sim->setup;
     struct cml_report report = {.scene = setup->scene,
                                 .surfaces = setup->surfaces,
-                                .sums = &flown->result,
-                                .timing = &flown->timing,
+                                .sums = &sim->flown.result,
+                                .timing = &sim->flown.timing,
                                 .provenance = setup->provenance,
                                 .tail = setup->options.tail,
                                 .flat_below = NAN,
-                                .command = command};
-    cml_identity_sum(run->identity, report.identity);
+                                .command = sim->options->command,
+                                .classic = sim->options->classic};
+    cml_identity_sum(sim->identity, report.identity);
     return report;
 }
 
-void cml_prepared_clear(struct cml_prepared *run)
+void cml_simulation_clear(struct cml_simulation *sim)
 {
-    cml_surfaces_free(&run->surfaces);
-    cml_aim_clear(&run->aim);
-    free(run->identity);
+    cml_run_result_free(&sim->flown);
+    cml_surfaces_free(&sim->surfaces);
+    cml_aim_clear(&sim->aim);
+    free(sim->identity);
 }

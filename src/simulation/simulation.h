@@ -1,5 +1,5 @@
-/* A run made ready to fly: its surfaces, its aim, the options that decide its bits, its identity. The program
- * and the C library (api/clustermcml.h) fly what is prepared here. SPDX-License-Identifier: MIT */
+/* A run: prepared, flown, reported. The program and the C library (api/clustermcml.h) fly this object and no
+ * other. SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "options/options.h"
@@ -7,13 +7,15 @@
 #include "output/report.h"
 #include "run/run.h"
 
-struct cml_prepared {
+struct cml_simulation {
+    const struct cml_options *options;
     /* The members point to others of this structure, which must not move once it is prepared. */
     struct cml_run_setup setup;
     struct cml_surface_set surfaces;
     struct cml_aim aim;
     struct cml_provenance provenance;
     char *identity;
+    struct cml_run_result flown; /* what has flown; zeros: nothing */
 };
 
 /* Refuses options of a flight that contradict each other. */
@@ -23,24 +25,27 @@ CML_NODISCARD cml_status cml_check_flight_options(const struct cml_options *opti
 CML_NODISCARD cml_status cml_check_differentiated(const struct cml_options *options,
                                                   const struct cml_scene *scene, struct cml_error *err);
 
-/* Returns the setup of a run as far as the options know it. */
-struct cml_run_setup cml_setup_of(const struct cml_options *options, const struct cml_scene *scene,
-                                  uint64_t seed, uint32_t run);
+/* Sets all that options and scene alone decide. All arguments are borrowed. */
+void cml_simulation_begin(const struct cml_options *options, const struct cml_scene *scene, uint64_t seed,
+                          uint32_t run, struct cml_simulation *sim);
 
 /* Returns the options for a run of all photons: with --more also those flown before. */
-struct cml_options cml_all_photons(const struct cml_options *options, const struct cml_run_setup *setup);
+struct cml_options cml_all_photons(const struct cml_simulation *sim);
 
-/* Makes the surfaces and the aim of run->setup, and checks memory and --error-of. shared: as in
- * cml_surface_options. The caller clears *run, also on failure. */
-CML_NODISCARD cml_status cml_prepare(const struct cml_options *options, const struct cml_surface_set *shared,
-                                     struct cml_prepared *run, struct cml_error *err);
+/* Makes surfaces and aim, and checks memory and --error-of. shared: as in cml_surface_options. */
+CML_NODISCARD cml_status cml_simulation_prepare(struct cml_simulation *sim,
+                                                const struct cml_surface_set *shared, struct cml_error *err);
 
 /* Sets provenance and identity once the photons are known. inputs: the lines of cml_identity_inputs. */
-CML_NODISCARD cml_status cml_prepared_identify(const struct cml_options *options, const char *inputs,
-                                               struct cml_prepared *run, struct cml_error *err);
+CML_NODISCARD cml_status cml_simulation_identify(struct cml_simulation *sim, const char *inputs,
+                                                 struct cml_error *err);
 
-/* Returns the report of a run that was flown. It borrows all that it names. */
-struct cml_report cml_prepared_report(const struct cml_prepared *run, const struct cml_run_result *flown,
-                                      const char *command);
+/* Flies `photons` behind those that have flown; 0, only at first: as many as the setup says. The sum of
+ * several flights has the bits of one. Fails as cml_run does, and then adds nothing. Collective. */
+CML_NODISCARD cml_status cml_simulation_fly(struct cml_simulation *sim, uint64_t photons,
+                                            struct cml_error *err);
 
-void cml_prepared_clear(struct cml_prepared *run);
+/* Returns the report of what has flown. It borrows all that it names. */
+struct cml_report cml_simulation_report(const struct cml_simulation *sim);
+
+void cml_simulation_clear(struct cml_simulation *sim);

@@ -17,6 +17,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* Makes the path of an output: `name` in the folder of -o, unless the name is absolute. */
+cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
+                           struct cml_error *err)
+{
+    if (!options->directory || name[0] == '/') return cml_text_copy(name, path, err);
+    return cml_text_format(path, "a path", err, "%s/%s", options->directory, name);
+}
+
 /* True if a checkpoint, or its older version, exists. */
 bool cml_has_checkpoint(const char *path)
 {

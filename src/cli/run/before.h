@@ -5,6 +5,11 @@
 #include "output/report.h"
 #include "run/run.h"
 
+/* Returns the path of a scene's output in *path: `name` below the output directory. The caller frees *path.
+ */
+CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
+                                         struct cml_error *err);
+
 struct cml_before {
     /* First file of the run that exists; first file that is not as a run left it. NULL: none. */
     char *there, *gone;

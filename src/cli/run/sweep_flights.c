@@ -245,7 +245,7 @@ cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_
             options.engine_options = options_of(sweep, &group, false);
             status = cml_check_memory(&options, &group.flown, NULL, err);
         }
-        const double bytes = status == CML_OK ? cml_most_memory(&options, &group.flown, NULL) : 0;
+        const double bytes = status == CML_OK ? cml_memory_of(&options, &group.flown, NULL).most : 0;
         if (bytes > most) *largest = options.engine_options;
         largest->rows.more = NULL;
         most = bytes > most ? bytes : most;

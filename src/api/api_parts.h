@@ -1,8 +1,10 @@
-/* Structures and functions that the files of the C library share. SPDX-License-Identifier: MIT */
+/* Structures and functions that the files of the C library share, and what the program uses of them.
+ * SPDX-License-Identifier: MIT */
 #pragma once
 
 #include "api/clustermcml.h"
 #include "base/input_files.h"
+#include "output/report.h"
 #include "simulation/scenes.h"
 
 #include <locale.h>
@@ -20,6 +22,10 @@ struct clm_scene {
     struct cml_inputs inputs;         /* bytes of all files */
     struct cml_settings **settings;   /* [list.count] settings of each run; NULL: those of the options */
     struct cml_surface_set *surfaces; /* [list.count] surfaces of each run that was opened, to be shared */
+    /* Engine options of the flight that takes most memory, and the size of a sweep: the program sets both. */
+    struct cml_engine_options flown;
+    struct cml_sweep_size sweep;
+    char *text; /* last answer of clm_scene_check or clm_scene_exact */
 };
 
 /* The last error of this thread. */
@@ -42,6 +48,21 @@ CML_NODISCARD cml_status cml_api_parse(const char *path, const struct cml_api_wo
                                        const char *const *options, bool reads, struct cml_api_words *words,
                                        struct cml_options *parsed, struct cml_error *err);
 void cml_api_words_clear(struct cml_api_words *words);
+
+/* For the program: opens the scenes of a command line that is read already. options: borrowed words. */
+CML_NODISCARD cml_status cml_api_open(const struct cml_options *options, struct clm_scene **scene,
+                                      struct cml_error *err);
+
+/* For the program: frees *scene at the end of its scope, and takes over the error of a call. */
+static inline void cml_api_close(struct clm_scene **scene)
+{
+    clm_scene_free(*scene);
+}
+static inline cml_status cml_api_take(int status, struct cml_error *err)
+{
+    if (status != CLM_OK) *err = cml_api_error;
+    return (cml_status)status;
+}
 
 /* Returns the settings with which a run is read. */
 const struct cml_settings *cml_api_settings(const struct clm_scene *scene, int run);

@@ -5,6 +5,7 @@
 #include "base/version.h"
 #include "options/option_read.h"
 #include "options/option_table.h"
+#include "simulation/check.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -226,13 +227,19 @@ static cml_status load(struct clm_scene *scene, struct cml_error *err)
     return scene->settings && scene->surfaces ? CML_OK : cml_fail_memory(err, scene->list.count, "runs");
 }
 
-/* Reads the scene `path`; text: what the file would hold; NULL: it is read. */
-static cml_status open_scene(const char *path, const char *text, const char *const *options,
-                             struct clm_scene **out, struct cml_error *err)
+/* Reads a scene. ready: its options; NULL: they are path and options. text: what the file would hold; NULL:
+ * it is read. */
+static cml_status open_scene(const struct cml_options *ready, const char *path, const char *text,
+                             const char *const *options, struct clm_scene **out, struct cml_error *err)
 {
+    cml_status status = CML_OK;
     struct clm_scene *scene = *out = calloc(1, sizeof *scene);
     if (!scene) return cml_fail_memory(err, sizeof *scene, "a scene");
-    cml_status status = cml_api_parse(path, NULL, options, true, &scene->words, &scene->options, err);
+    if (ready)
+        scene->options = *ready;
+    else
+        status = cml_api_parse(path, NULL, options, true, &scene->words, &scene->options, err);
+    scene->flown = scene->options.engine_options;
     if (status == CML_OK && text) status = cml_inputs_add(&scene->inputs, path, text, strlen(text), err);
     if (status == CML_OK) status = load(scene, err);
     if (status == CML_OK) return CML_OK;
@@ -241,10 +248,15 @@ static cml_status open_scene(const char *path, const char *text, const char *con
     return status;
 }
 
+cml_status cml_api_open(const struct cml_options *options, struct clm_scene **scene, struct cml_error *err)
+{
+    return open_scene(options, NULL, NULL, NULL, scene, err);
+}
+
 CML_API int clm_scene_open(const char *path, const char *const *options, struct clm_scene **scene)
 {
     CML_API_CALL();
-    return open_scene(path, NULL, options, scene, &cml_api_error);
+    return open_scene(NULL, path, NULL, options, scene, &cml_api_error);
 }
 
 CML_API int clm_scene_parse(const char *text, const char *beside, const char *const *options,
@@ -255,7 +267,7 @@ CML_API int clm_scene_parse(const char *text, const char *beside, const char *co
     *scene = NULL;
     CML_TRY(cml_text_format(&path, "a path", &cml_api_error, "%s%sscene.mci", beside ? beside : "",
                             beside ? "/" : ""));
-    return open_scene(path, text, options, scene, &cml_api_error);
+    return open_scene(NULL, path, text, options, scene, &cml_api_error);
 }
 
 CML_API void clm_scene_free(struct clm_scene *scene)
@@ -270,10 +282,61 @@ CML_API void clm_scene_free(struct clm_scene *scene)
     cml_scene_list_clear(&scene->list);
     cml_inputs_clear(&scene->inputs);
     cml_api_words_clear(&scene->words);
+    free(scene->text);
     free(scene);
 }
 
 CML_API int clm_scene_runs(const struct clm_scene *scene)
 {
     return scene->list.count;
+}
+
+/* ---- a scene without a flight ---- */
+
+/* Prints the exact totals of a run with planes in place of its shapes. */
+static cml_status solve(FILE *stream, const struct cml_options *options, const struct cml_scene *scene,
+                        struct cml_error *err)
+{
+    /* about a second of walks at each rough boundary gives errors of some 1e-4 */
+    const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = 1e11, .walks = 524288};
+    CML_AT_END(cml_exact_clear) struct cml_exact exact = {0};
+    CML_TRY(cml_exact_scene(scene, NULL, &aim, &exact, err));
+    if (options->json) return cml_report_exact_json(stream, scene, &exact, err);
+    cml_report_exact(stream, scene, &exact);
+    return CML_OK;
+}
+
+/* Makes the text of a run. On failure *text is what was printed before. */
+static cml_status tell(struct clm_scene *scene, int run, bool exact, int json, const char **text,
+                       struct cml_error *err)
+{
+    size_t size;
+    struct cml_options options = scene->options, flown;
+    *text = "";
+    CML_TRY(cml_api_check_run(scene, run, err));
+    free(scene->text);
+    scene->text = NULL;
+    FILE *stream = open_memstream(&scene->text, &size);
+    if (!stream) return cml_fail_memory(err, 1, "a text");
+    options.json = json;
+    flown = options;
+    flown.engine_options = scene->flown;
+    const struct cml_scene *one = &scene->list.scenes[run];
+    const cml_status status = exact ? solve(stream, &options, one, err)
+                                    : cml_check_scene(stream, &options, &flown, one, &scene->sweep, err);
+    if (fclose(stream) != 0) return cml_fail_memory(err, 1, "a text");
+    *text = scene->text;
+    return status;
+}
+
+CML_API int clm_scene_check(struct clm_scene *scene, int run, int json, const char **text)
+{
+    CML_API_CALL();
+    return tell(scene, run, false, json, text, &cml_api_error);
+}
+
+CML_API int clm_scene_exact(struct clm_scene *scene, int run, int json, const char **text)
+{
+    CML_API_CALL();
+    return tell(scene, run, true, json, text, &cml_api_error);
 }

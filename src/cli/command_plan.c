@@ -5,10 +5,10 @@
 #include "base/clock.h"
 #include "base/json_name.h"
 #include "base/version.h"
-#include "simulation/aim.h"
 #include "engine/engines.h"
 #include "result/quantity.h"
 #include "run/cluster/cluster.h"
+#include "simulation/simulation.h"
 #include "tally/target_error.h"
 
 #include <jansson.h>
@@ -41,7 +41,7 @@ struct plan {
     double error;
     const char *aimed, *error_of; /* values of --aim and --error-of; NULL: not given */
     /* aim of --aim, or of --aim Tt as a proposal; without scores if the scene has none */
-    struct cml_aim aim;
+    const struct cml_aim *aim;
     /* Windows of --aim DETECTOR as proposals, without their targets; cells 0: none. */
     struct cml_window_table of_detector[MOST_DETECTORS];
     struct cml_pilot errors[SAMPLINGS]; /* pilots for errors: [0] random, [1] lattice sampling */
@@ -78,7 +78,7 @@ static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setu
     struct cml_run_setup mine = *setup;
     const double begin = cml_now();
     mine.engine = cml_engine_find(engine_names[0]);
-    if (plan->aim.tail.scores > 0) mine.options.tail = &plan->aim.tail;
+    if (plan->aim->tail.scores > 0) mine.options.tail = &plan->aim->tail;
     for (int lattice = 0; lattice < SAMPLINGS; lattice++) {
         mine.options.lattice = lattice == 1;
         CML_TRY(cml_pilot_fly(&mine, ERROR_PILOT, 2, &plan->errors[lattice], err));
@@ -95,7 +95,7 @@ static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setu
 static double needed(const struct plan *plan)
 {
     const struct cml_pilot *pilot = &plan->errors[1];
-    const bool expects = plan->aimed && plan->aim.tail.scores > 0;
+    const bool expects = plan->aimed && plan->aim->tail.scores > 0;
     double most = 0;
     if (plan->error_of) return cml_pilot_photons(pilot, CML_PILOT_NAMED, plan->error);
     for (int goal = 0; goal < CML_NUM_GOALS; goal++)
@@ -132,7 +132,7 @@ static void print_time(double seconds)
 /* True if an engine can reach the goal: OpenCL has no expected values. */
 static bool has_goal(const struct plan *plan, int engine, int goal)
 {
-    if (goal == CML_PILOT_EXPECTED) return plan->aim.tail.scores > 0 && engine != OPENCL;
+    if (goal == CML_PILOT_EXPECTED) return plan->aim->tail.scores > 0 && engine != OPENCL;
     return goal != CML_PILOT_NAMED || plan->error_of;
 }
 
@@ -188,9 +188,9 @@ static void print_gain(const struct cml_window_table *windows, const char *aim, 
  * not from the rare light that pilots saw. */
 static void print_windows(const struct plan *plan)
 {
-    if (plan->aim.windows.cells > 0) {
-        printf("  Through planes in place of all shapes comes %.1g of the light: ", plan->aim.windows.worth);
-        print_gain(&plan->aim.windows, "Tt_r", "Tt");
+    if (plan->aim->windows.cells > 0) {
+        printf("  Through planes in place of all shapes comes %.1g of the light: ", plan->aim->windows.worth);
+        print_gain(&plan->aim->windows, "Tt_r", "Tt");
     }
     for (int k = 0; k < MOST_DETECTORS; k++) {
         if (plan->of_detector[k].cells == 0) continue;
@@ -236,7 +236,7 @@ static void print_plan(const struct plan *plan)
         printf("  All of this is with --aim %s.\n", plan->aimed);
         return;
     }
-    if (plan->aim.tail.scores > 0) printf("  Tt_expected is for runs with --aim Tt.\n");
+    if (plan->aim->tail.scores > 0) printf("  Tt_expected is for runs with --aim Tt.\n");
     print_windows(plan);
 }
 
@@ -261,8 +261,8 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
 static json_t *gains_json(const struct plan *plan)
 {
     json_t *gains = json_object();
-    if (plan->aim.windows.cells > 0 && !plan->aimed)
-        json_object_set_new(gains, "Tt_r", json_real(plan->aim.windows.gain));
+    if (plan->aim->windows.cells > 0 && !plan->aimed)
+        json_object_set_new(gains, "Tt_r", json_real(plan->aim->windows.gain));
     for (int k = 0; k < MOST_DETECTORS; k++)
         if (plan->of_detector[k].cells > 0)
             json_object_set_new(gains, plan->scene->detectors[k].name, json_real(plan->of_detector[k].gain));
@@ -329,23 +329,15 @@ static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *su
     }
 }
 
-/* Chooses the surfaces of the scene and makes its aim: the aim of --aim, or else all aims whose gain is
- * shown. */
-static cml_status prepare(const struct cml_options *options, struct plan *plan,
-                          struct cml_surface_set *surfaces, struct cml_run_setup *setup,
-                          struct cml_error *err)
+/* Prepares the scene as a run is, with the aim of --aim, or else with all aims whose gain is shown. */
+static cml_status prepare(struct plan *plan, struct cml_simulation *sim, struct cml_error *err)
 {
-    CML_TRY(cml_choose_surfaces(options, plan->scene, surfaces, err));
-    CML_TRY(cml_check_memory(options, plan->scene, surfaces, err));
-    CML_TRY(cml_find_error_of(options, plan->scene, &setup->error_of, err));
-    if (options->aim) {
-        CML_TRY(cml_aim_for_run(options, plan->scene, surfaces, &plan->aim, err));
-        cml_aim_use(&plan->aim, &setup->options);
-        return CML_OK;
-    }
-    aim_at_detectors(plan, surfaces);
-    if (setup->error_of > 0) return CML_OK; /* A_l is counted, not expected, as in a run without --aim */
-    return aim(plan->scene, surfaces, &plan->aim, err);
+    plan->aim = &sim->aim;
+    CML_TRY(cml_simulation_prepare(sim, NULL, err));
+    if (plan->aimed) return CML_OK;
+    aim_at_detectors(plan, &sim->surfaces);
+    if (sim->setup.error_of > 0) return CML_OK; /* A_l is counted, not expected, as in a run without --aim */
+    return aim(plan->scene, &sim->surfaces, &sim->aim, err);
 }
 
 /* Plans one scene: flies short pilot runs, then prints how many photons and how much time a wanted error
@@ -353,24 +345,22 @@ static cml_status prepare(const struct cml_options *options, struct plan *plan,
 static cml_status plan_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
                              struct cml_error *err)
 {
-    struct cml_surface_set surfaces = {0};
-    struct cml_run_setup setup = {.scene = scene,
-                                  .surfaces = &surfaces,
-                                  .options = options->engine_options,
-                                  .photons = options->photons,
-                                  .most_seconds = options->photons > 0 ? 0 : MOST_SECONDS};
+    struct cml_simulation sim;
     struct plan plan = {.scene = scene,
                         .error = options->target_error > 0 ? options->target_error : DEFAULT_ERROR,
                         .aimed = options->aim,
                         .error_of = options->error_of};
-    setup.options.run = (uint32_t)index;
-    cml_status status = cml_cluster_agree(prepare(options, &plan, &surfaces, &setup, err), err);
-    if (status == CML_OK) status = fly_pilots(&plan, &setup, err);
+    cml_simulation_begin(options, scene, options->engine_options.seed, (uint32_t)index, &sim);
+    cml_status status = cml_cluster_agree(prepare(&plan, &sim, err), err);
+    sim.setup.photons = options->photons;
+    sim.setup.most_seconds = options->photons > 0 ? 0 : MOST_SECONDS;
+    sim.setup.target_error = 0;
+    sim.setup.on_note = NULL;
+    if (status == CML_OK) status = fly_pilots(&plan, &sim.setup, err);
     /* the scene is at fault, no signal came */
     if (status == CML_E_STOPPED) status = err->status = CML_E_INPUT;
     if (status == CML_OK) status = publish(options, &plan, err);
-    cml_aim_clear(&plan.aim);
-    cml_surfaces_free(&surfaces);
+    cml_simulation_clear(&sim);
     return cml_cluster_agree(status, err);
 }
 

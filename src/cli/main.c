@@ -2,13 +2,13 @@
  * SPDX-License-Identifier: MIT */
 #include "run/cluster/cluster.h"
 
+#include "api/clustermcml.h"
 #include "base/print_line.h"
 #include "base/version.h"
 #include "cli/command.h"
 #include "cli/hand_over.h"
 #include "cli/options/help.h"
 #include "cli/options/options_parse.h"
-#include "cli/run/terminal.h"
 #include "run/stop.h"
 
 #include <errno.h>
@@ -44,7 +44,7 @@ static cml_status answer(const struct cml_options *options, struct cml_error *er
         return first || commands[options->which].parallel ? commands[options->which].run(options, err)
                                                           : CML_OK;
     if (first && options->help) return cml_help_print(stdout, topic, err);
-    if (first) printf("clustermcml %s\n%s\n", cml_version(), cml_version_parts());
+    if (first) printf("clustermcml %s\n%s\n", clm_version(), cml_version_parts());
     return CML_OK;
 }
 
@@ -57,6 +57,16 @@ static void show_large_mesh(void *context, const char *text, double seconds)
     if (isatty(STDERR_FILENO) || seconds >= 10) fprintf(stderr, "%s\n", text);
 }
 
+/* Prints a note on standard error, with the number of the rank unless it is rank 0. */
+static void print_note(void *context, const char *text)
+{
+    char who[32] = "";
+    (void)context;
+    if (cml_cluster_rank() > 0) snprintf(who, sizeof who, "rank %d: ", cml_cluster_rank());
+    fprintf(stderr, "clustermcml: note: %s", who);
+    cml_print_line(stderr, text);
+}
+
 /* Reads the options and does the command on all ranks. All return the worst status of all, and its
  * message. */
 static cml_status work(int argc, char **argv, struct cml_error *err)
@@ -67,8 +77,8 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     cml_cluster_set_timeout(options.timeout);
     options.surface.budget.on_large = show_large_mesh;
     options.surface.budget.context = &options;
-    options.engine_options.on_note = cml_print_note;
-    cml_notes.to = cml_print_note;
+    options.engine_options.on_note = print_note;
+    clm_on_note(print_note, NULL);
     cml_status status = answer(&options, err);
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK && !cml_output_unread())
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Sets the defaults of all options: those not named here are 0, false or NULL. */
 void cml_options_default(struct cml_options *options)
 {
     *options = (struct cml_options){.engine = cml_engine_find("cpu")};

@@ -176,7 +176,6 @@ const struct cml_option cml_option_table[] = {
 
 const size_t cml_option_count = sizeof cml_option_table / sizeof *cml_option_table;
 
-/* Returns the option of this name, or NULL. The name need not end at `length`, as in --photons=1000. */
 const struct cml_option *cml_option_find(const char *name, size_t length)
 {
     for (size_t i = 0; i < cml_option_count; i++) {
@@ -186,8 +185,6 @@ const struct cml_option *cml_option_find(const char *name, size_t length)
     return NULL;
 }
 
-/* Returns the option of a letter. Several commands may use one letter, so the option of this command is
- * preferred. */
 const struct cml_option *cml_option_of_letter(char letter, enum cml_command command)
 {
     const struct cml_option *first = NULL;
@@ -199,7 +196,6 @@ const struct cml_option *cml_option_of_letter(char letter, enum cml_command comm
     return first;
 }
 
-/* Writes the names of the commands that know an option, separated by commas. */
 void cml_option_commands(const struct cml_option *option, char *text, size_t size)
 {
     size_t used = 0;
@@ -209,7 +205,6 @@ void cml_option_commands(const struct cml_option *option, char *text, size_t siz
                 (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", cml_commands[i].name);
 }
 
-/* Returns the name of the option that was probably meant; NULL if no name is similar. */
 const char *cml_option_guess(const char *name, size_t length)
 {
     struct cml_guess guess = {.word = name, .length = length};

@@ -208,8 +208,6 @@ cml_status cml_check_starts(const struct cml_scene *scene, const struct cml_surf
     return cml_source_media(scene, &surfaces, &medium, NULL, err);
 }
 
-/* Shows notes on beams that are allowed but probably not what the user wants, such as light that a clear
- * layer traps. */
 cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int **starts,
                          struct cml_error *err)
 {

@@ -50,8 +50,6 @@ static cml_status check_photons(const struct cml_options *options, const struct 
     return cml_setting_fail(photons, "no value beside that of --photons", err);
 }
 
-/* Reads the scenes of the input file with the settings of the options, and checks them. On failure *list is
- * empty. */
 cml_status cml_load_scenes(const struct cml_options *options, const struct cml_text_source *source,
                            struct cml_scene_list *list, struct cml_error *err)
 {
@@ -80,8 +78,6 @@ static bool lies_alike(const struct cml_scene *one, const struct cml_scene *othe
     return true;
 }
 
-/* Copies a scene with other settings, for a row of a sweep. Shapes that the settings change are read again
- * from `inputs`, which keeps the bytes of all files. Overlaps are checked only if something has moved. */
 cml_status cml_copy_scene(const struct cml_options *options, const struct cml_settings *settings,
                           const char *output, struct cml_inputs *inputs, const struct cml_scene *from,
                           struct cml_scene *scene, struct cml_error *err)
@@ -100,8 +96,6 @@ cml_status cml_copy_scene(const struct cml_options *options, const struct cml_se
     return status;
 }
 
-/* Makes the surfaces that a scene is flown with. With --tolerance, shapes too slight to matter become
- * planes. */
 cml_status cml_choose_surfaces(const struct cml_options *options, const struct cml_scene *scene,
                                struct cml_surface_set *surfaces, struct cml_error *err)
 {
@@ -134,8 +128,8 @@ static uint64_t most_photons(const struct cml_options *options, const struct cml
     return (options->photons ? options->photons : scene->photons) + options->more;
 }
 
-/* Estimates the largest memory that a run needs at one time. Reading, the flight and the writing of results
- * follow each other, and each frees its memory before the next begins. */
+/* Reading, the flight and the writing of results follow each other, and each frees its memory before the next
+ * begins. */
 struct cml_memory cml_memory_of(const struct cml_options *options, const struct cml_scene *scene,
                                 const struct cml_surface_set *surfaces)
 {
@@ -159,7 +153,6 @@ struct cml_memory cml_memory_of(const struct cml_options *options, const struct 
     return memory;
 }
 
-/* Refuses a run that needs more memory than the machine has, before the run begins. */
 cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
                             const struct cml_surface_set *surfaces, struct cml_error *err)
 {

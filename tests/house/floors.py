@@ -47,7 +47,7 @@ ROOMS = {
     "src/output/study": "src/input/keys src/result src/output/files src/tally src/base",
     "src/options": "src/input/keys src/engine src/engine/engines src/surface src/base",
     "src/simulation": "src/options src/aim src/output src/result src/output/files src/exact src/run src/run/cluster src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/api": "src/simulation src/options src/output src/result src/output/files src/run src/run/cluster src/engine src/surface src/scene src/tally src/base",
+    "src/api": "src/simulation src/options src/exact src/output src/result src/output/files src/run src/run/cluster src/engine src/surface src/scene src/tally src/base",
     "src/cli/options": "src/options src/input/keys src/engine src/engine/engines src/surface src/base",
     "src/cli/run": "src/simulation src/options src/aim src/input/sweep src/output src/result src/output/files src/output/study src/exact src/run src/run/cluster src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
     "src/cli": "src/api src/cli/run src/cli/options src/simulation src/options src/aim src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/run/cluster src/engine src/engine/engines "

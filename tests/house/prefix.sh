@@ -1,6 +1,6 @@
 #!/bin/sh
-# Checks that every external symbol of the libraries begins with cml_, and those of clustermcml.h with clm_: prefix.sh LIBRARY... Symbols of C++ (the OBJ parser in
-# obj_tiny.cpp) are mangled names and cannot clash with those of a C program.
+# Checks that every external symbol of the libraries begins with cml_, and those of clustermcml.h with clm_: prefix.sh LIBRARY...
+# Symbols of C++ (the OBJ parser in obj_tiny.cpp) are mangled names and cannot clash with those of a C program.
 # SPDX-License-Identifier: MIT
 set -eu
 command -v nm >/dev/null || { echo "nm is missing"; exit 77; }

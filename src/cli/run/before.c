@@ -17,7 +17,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Makes the path of an output: `name` in the folder of -o, unless the name is absolute. */
 cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
                            struct cml_error *err)
 {
@@ -25,7 +24,6 @@ cml_status cml_output_path(const struct cml_options *options, const char *name, 
     return cml_text_format(path, "a path", err, "%s/%s", options->directory, name);
 }
 
-/* True if a checkpoint, or its older version, exists. */
 bool cml_has_checkpoint(const char *path)
 {
     char older[PATH_MAX];
@@ -49,8 +47,6 @@ static uint64_t photons_of(const char *path)
     return !cml_file_is_device(path) && cml_head_read(path, &head) ? head.photons : 0;
 }
 
-/* Refuses to let --resume replace another run's result that has more photons, because it took longer to
- * fly. */
 cml_status cml_before_keep_better(const struct cml_options *options, const char *path, uint64_t photons,
                                   uint64_t *found, struct cml_error *err)
 {
@@ -186,8 +182,6 @@ static cml_status keep_better(const struct cml_options *options, const struct cm
     return cml_before_keep_better(options, path, setup->photons, &found, err);
 }
 
-/* Looks at what lies under the names of a run's files before it flies: a result that stands, a result of
- * another run, a checkpoint. row: of a sweep from 1, or 0. */
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                            struct cml_before *before, struct cml_error *err)
 {
@@ -311,8 +305,6 @@ static void note_replaced(const struct cml_scene *scene, const char *there)
     free(saved);
 }
 
-/* Shows notes on what a run overwrites or misses when it begins to fly: checkpoints, results, beams without
- * photons. */
 void cml_before_note(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                      const struct cml_before *before)
 {

@@ -5,7 +5,8 @@
 #include "output/report.h"
 #include "run/run.h"
 
-/* Returns the path of a scene's output in *path: `name` below the output directory. The caller frees *path.
+/* Returns the path of a scene's output in *path: `name` below the folder of -o, unless it is absolute. The
+ * caller frees *path.
  */
 CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
                                          struct cml_error *err);

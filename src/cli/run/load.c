@@ -29,11 +29,10 @@ static cml_status load(const struct cml_options *options, const struct cml_text_
     return status;
 }
 
-cml_status cml_load_scenes_as_run(const struct cml_options *options, struct cml_scene_list *list,
-                                  struct cml_inputs *inputs, struct cml_error *err)
+cml_status cml_read_sweep(const struct cml_options *options, struct cml_inputs *inputs, struct cml_error *err)
 {
     const struct cml_text_source record = cml_inputs_recorder(inputs);
-    return load(options, &record, list, err);
+    return read_sweep(options, &record, err);
 }
 
 /* Sends the bytes of all files that rank 0 has read to the other ranks, which then read the scene from these
@@ -52,9 +51,8 @@ static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
     return status;
 }
 
-/* Reads the scenes on rank 0, and on the other ranks from the same bytes. */
-static cml_status load_shared(const struct cml_options *options, struct cml_scene_list *list,
-                              struct cml_inputs *inputs, struct cml_error *err)
+cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_scene_list *list,
+                                  struct cml_inputs *inputs, struct cml_error *err)
 {
     const bool first = cml_cluster_rank() == 0;
     cml_status status = CML_OK;
@@ -66,25 +64,12 @@ static cml_status load_shared(const struct cml_options *options, struct cml_scen
     return cml_cluster_agree(status, err);
 }
 
-/* Reads the scenes on all ranks: only rank 0 opens files, the others get their bytes. */
-cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_scene_list *list,
-                                  struct cml_inputs *inputs, struct cml_error *err)
-{
-    *list = (struct cml_scene_list){0};
-    *inputs = (struct cml_inputs){0};
-    const cml_status status = load_shared(options, list, inputs, err);
-    if (status == CML_OK) return CML_OK;
-    cml_scene_list_clear(list);
-    cml_inputs_clear(inputs);
-    return status;
-}
-
 /* Reads the scenes and calls `fly` for each, with the number of threads chosen for this rank. */
 cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly, struct cml_error *err)
 {
     struct cml_options mine = *options;
     CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
-    struct cml_inputs inputs;
+    CML_AT_END(cml_inputs_clear) struct cml_inputs inputs = {0};
     mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &list, &inputs, err));
@@ -108,8 +93,6 @@ static void warn_of_binding(int threads)
     cml_show_note(NULL, text);
 }
 
-/* Returns the number of threads of this rank: that of --threads, else OMP_NUM_THREADS, else this rank's
- * share of the machine's cores. 0 leaves an odd value to OpenMP. */
 int cml_choose_threads(const struct cml_options *options)
 {
     const char *environment = getenv("OMP_NUM_THREADS");

@@ -3,14 +3,12 @@
 
 #include "simulation/scenes.h"
 
-/* Reads the scenes as a run does, which keeps the bytes of the files in *inputs: they count in its memory.
- * Checks that the table of --sweep can be read. The caller clears *inputs, also on failure. */
-CML_NODISCARD cml_status cml_load_scenes_as_run(const struct cml_options *options,
-                                                struct cml_scene_list *list, struct cml_inputs *inputs,
-                                                struct cml_error *err);
+/* Checks that the table of --sweep can be read, and adds its bytes to *inputs. */
+CML_NODISCARD cml_status cml_read_sweep(const struct cml_options *options, struct cml_inputs *inputs,
+                                        struct cml_error *err);
 
-/* Reads the scenes so on all ranks: rank 0 reads the files and sends their bytes to the others. The caller clears *list
- * and *inputs. Collective. */
+/* Reads the scenes and the table of --sweep on all ranks: rank 0 reads the files and sends their bytes to the
+ * others. The caller clears *list and *inputs, which must be empty, also on failure. Collective. */
 CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *options,
                                                 struct cml_scene_list *list, struct cml_inputs *inputs,
                                                 struct cml_error *err);

@@ -4,8 +4,8 @@
 #include "base/atomic_file.h"
 #include "cli/run/before.h"
 #include "cli/run/progress.h"
-#include "cli/run/terminal.h"
 #include "simulation/beam_notes.h"
+#include "simulation/check.h"
 #include "simulation/simulation.h"
 #include "output/report.h"
 #include "run/cluster/cluster.h"
@@ -99,11 +99,11 @@ static void announce(const struct cml_simulation *sim)
     cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_top(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_shapes(stdout, "  ", scene, setup->surfaces, CML_READ_BY_PEOPLE);
-    for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(scene, b);
+    for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(stdout, scene, b);
     if (setup->part.count > 0)
         printf("  part %" PRIu64 " of %" PRIu64 "\n", setup->part.number, setup->part.count);
     const struct cml_options all = cml_all_photons(sim);
-    cml_print_memory(&all, scene, setup->surfaces);
+    cml_print_memory(stdout, &all, scene, setup->surfaces);
     fflush(stdout);
 }
 
@@ -331,7 +331,6 @@ bool cml_run_leaves_checkpoints(const struct cml_options *options)
     return options->resume || options->keep || options->parts > 0;
 }
 
-/* Makes the path of the checkpoint of a scene's run. */
 cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,
                               struct cml_error *err)
 {
@@ -340,7 +339,6 @@ cml_status cml_run_checkpoint(const struct cml_options *options, const struct cm
     return cml_checkpoint_of(options, output, path, err);
 }
 
-/* Makes the path of the file that keeps a run's sums: its checkpoint, or the file of its part. */
 cml_status cml_checkpoint_of(const struct cml_options *options, const char *output, char **path,
                              struct cml_error *err)
 {

@@ -36,5 +36,6 @@ CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            void (*note)(void *context, const char *text),
                                            struct cml_outputs *outputs, struct cml_error *err);
 
-/* Releases all files, and removes the folder that was made here if it is still empty. */
+/* Releases all files, and removes the folder that was made here if it is still empty (rmdir refuses others).
+ */
 void cml_outputs_release(struct cml_outputs *outputs);

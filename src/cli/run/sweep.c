@@ -532,7 +532,6 @@ static void clear_sweep(struct cml_sweep_run *sweep)
     free(sweep->group);
 }
 
-/* Runs all rows of a --sweep. Every row is checked before the first one flies. */
 cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
                      struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -544,8 +543,6 @@ cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_l
     return status;
 }
 
-/* Checks all rows of a sweep without flying, and returns how many rows and flights there are. *largest:
- * options of the flight that needs most memory. */
 cml_status cml_sweep_check(const struct cml_options *options, const struct cml_scene_list *list,
                            struct cml_inputs *inputs, struct cml_sweep_size *size,
                            struct cml_engine_options *largest, struct cml_error *err)

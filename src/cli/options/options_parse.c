@@ -209,8 +209,6 @@ static bool is_topic(struct words *words, const struct cml_options *options)
     return true;
 }
 
-/* Reads the command line into *options. Operands (words that are no options) are moved to the front of argv,
- * in their order. */
 cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
 {
     cml_options_default(options);

@@ -47,18 +47,14 @@ ctest --test-dir build -LE long --output-on-failure -j4
 now "the rest of the sanitizers' build"
 wait $sanitized || { cat build-asan/build.log build-tsan/build.log; exit 1; }
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
-now "sanitized units"
-ctest --test-dir build-asan -L unit --output-on-failure -j2
 
 # Fuzzers run for a number of executions, not a time, so that a change is judged by the same inputs on any machine. They run
-# beside the flights, as each fuzzer has one thread.
-{
-    bash tests/fuzz/run.sh runs=4000 fly
-    bash tests/fuzz/run.sh runs=50000 mci obj stl ply heightmap options checkpoint sweep
-    bash tests/fuzz/run.sh runs=1250 mco
-} &
+# beside units and flights, as each fuzzer has one thread.
+bash tests/fuzz/run.sh runs=50000 fly:4000 mci obj stl ply heightmap options checkpoint sweep mco:1250 &
 fuzzers=$!
-now "sanitized samples and fuzzers"
+now "sanitized units and fuzzers"
+ctest --test-dir build-asan -L unit --output-on-failure -j2
+now "sanitized samples"
 CLUSTERMCML=$root/build-asan/clustermcml sh tests/sanitize/samples.sh
 now "threads under their sanitizer"
 sh tests/sanitize/threads.sh

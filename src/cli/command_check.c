@@ -74,7 +74,7 @@ static void print_mesh(const struct cml_scene *scene, int b)
         printf("    welded %zu bit-equal vertices, dropped %zu degenerate triangles and %zu unused vertices, "
                "turned %zu triangles\n",
                notes->welded, notes->degenerate, notes->unused, notes->flipped);
-    cml_print_mesh_repairs(scene, b);
+    cml_print_mesh_repairs("boundary", b, mesh, notes);
     const double thickness = scene->boundaries[scene->num_layers].z;
     const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
     if (width > 100 * thickness || s.peak_to_valley > thickness)
@@ -108,13 +108,14 @@ static void print_tile(const struct cml_scene *scene, int b)
     printf("    the beam does not repeat\n");
 }
 
-/* Prints the box around a body, which shows wrong units or a wrong shift. */
+/* Prints the box around a body, which shows wrong units or a wrong shift, and how its mesh was changed. */
 static void print_body_box(const struct cml_scene_body *body, int k)
 {
     double lower[3], upper[3];
     cml_body_box(body, lower, upper);
     printf("  mesh of body %d: x %g..%g, y %g..%g, z %g..%g cm\n", k + 1, lower[0], upper[0], lower[1],
            upper[1], lower[2], upper[2]);
+    cml_print_mesh_repairs("body", k + 1, &body->mesh, &body->mesh_notes);
 }
 
 /* Prints a line about each boundary or body that is a mesh or a tile; of bodies only the first

@@ -334,27 +334,35 @@ void cml_print_memory(const struct cml_options *options, const struct cml_scene 
            memory.tallies / mib, memory.output / mib);
 }
 
-/* Prints what the reader changed on the mesh of boundary b, so that the user can correct the file. Nothing
- * if nothing was changed. */
-void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
+/* Prints what the reader changed on a mesh, so that the user can correct the file. Nothing if nothing was
+ * changed. */
+void cml_print_mesh_repairs(const char *owner, int number, const struct cml_mesh *mesh,
+                            const struct cml_mesh_notes *notes)
 {
-    const struct cml_boundary *boundary = &scene->boundaries[b];
-    const struct cml_mesh_notes *notes = &boundary->mesh_notes;
-    if (boundary->form != CML_FORM_MESH) return;
+    char name[32];
+    snprintf(name, sizeof name, "%s %d", owner, number);
     if (notes->bent > 0)
-        printf("    boundary %d: %zu faces lie in no plane and were cut into triangles, corners up to %.3g "
+        printf("    %s: %zu faces lie in no plane and were cut into triangles, corners up to %.3g "
                "cm off the face's mean plane\n",
-               b, notes->bent, notes->bend);
+               name, notes->bent, notes->bend);
     if (notes->joined > 0)
-        printf("    boundary %d: %zu corners were joined with others, up to %.3g cm away (weld=%g)\n", b,
-               notes->joined, notes->join_distance, boundary->mesh.weld);
+        printf("    %s: %zu corners were joined with others, up to %.3g cm away (weld=%g)\n", name,
+               notes->joined, notes->join_distance, mesh->weld);
     if (notes->levelled > 0)
-        printf("    boundary %d: the mesh's border was levelled, its heights differed by %.3g cm\n", b,
+        printf("    %s: the mesh's border was levelled, its heights differed by %.3g cm\n", name,
                notes->levelled);
     if (notes->skirt > 0)
-        printf("    boundary %d: skirt of %g cm around the mesh to its border's mean height %g cm: %zu "
+        printf("    %s: skirt of %g cm around the mesh to its border's mean height %g cm: %zu "
                "triangles, up to %.3g cm\n",
-               b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
+               name, mesh->skirt, 0.0 - mesh->z_border, notes->skirt, notes->skirt_rise);
+}
+
+void cml_print_repairs(const struct cml_scene *scene)
+{
+    for (int b = 0; b <= scene->num_layers; b++)
+        cml_print_mesh_repairs("boundary", b, &scene->boundaries[b].mesh, &scene->boundaries[b].mesh_notes);
+    for (int k = 0; k < scene->num_bodies; k++)
+        cml_print_mesh_repairs("body", k + 1, &scene->bodies[k].mesh, &scene->bodies[k].mesh_notes);
 }
 
 /* Notes on rank 0 that there are more threads than cores, which slows a run: a usual mistake under mpiexec,

@@ -80,9 +80,13 @@ double cml_most_memory(const struct cml_options *options, const struct cml_scene
 void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces);
 
-/* Prints how the mesh of boundary b was changed: faces cut, border levelled, skirt added. Prints nothing if
- * it was not. */
-void cml_print_mesh_repairs(const struct cml_scene *scene, int b);
+/* Prints how a mesh was changed: faces cut, corners joined, border levelled, skirt added. Prints nothing if
+ * it was not, as for a boundary or body that is no mesh. owner: "boundary" or "body". */
+void cml_print_mesh_repairs(const char *owner, int number, const struct cml_mesh *mesh,
+                            const struct cml_mesh_notes *notes);
+
+/* Prints how the meshes of all boundaries and bodies were changed. */
+void cml_print_repairs(const struct cml_scene *scene);
 
 /* Multiplications, some 0.15 s of them, that commands spend on totals by adding-doubling beside other work.
  */

@@ -32,9 +32,9 @@ struct ply {
 };
 
 /* Returns the index of a word among the names; `count`: not there. */
-static int find(const char *const *names, int count, const char *word)
+static unsigned find(const char *const *names, unsigned count, const char *word)
 {
-    int i = 0;
+    unsigned i = 0;
     while (i < count && strcmp(word, names[i]) != 0) i++;
     return i;
 }
@@ -67,7 +67,7 @@ static cml_status read_type(const struct ply *ply, const char *word, enum cml_nu
     static const char *const names[] = {"char",  "uchar",  "short",   "ushort", "int",   "uint",
                                         "float", "double", "int8",    "uint8",  "int16", "uint16",
                                         "int32", "uint32", "float32", "float64"};
-    const int i = find(names, 16, word);
+    const unsigned i = find(names, 16, word);
     *type = i % 8; /* in the order of enum cml_number */
     return i < 16 ? CML_OK
                   : cml_numbers_fail(&ply->in, "type of the property", word,

@@ -4,7 +4,7 @@
 Six fibres of 200 um collect light around a seventh, in a steel tip. A spectrum from 450 to 750 nm is simulated for skin with 70 % of oxygen, and 1 %
 of noise is added. Four numbers are fitted to the spectrum: oxygenation, blood, melanin, scattering. The model interpolates in a table of flights,
 whose absorption comes by reweighting. Leaves a picture, probe.svg, in DIR (default: the current directory). PHOTONS is the number of photons of each
-flight, by default 3e5. The script needs scipy and matplotlib; it takes about 160 s of processor time.
+flight, by default 3e5. The script needs scipy and matplotlib; it takes about 180 s of processor time.
 
 SPDX-License-Identifier: MIT
 """

@@ -82,7 +82,8 @@ static double write_weld(double gap, char text[16])
 /* Returns the narrowest gap whose weld= makes the mesh sound, else the widest one. Tries the widest
  * gap, and those before a leap to ten times the width, which parts gaps of rounding from those of the shape.
  */
-static double choose_gap(const struct cml_mesh_work *work, const double *nearest, bool *is_sound)
+static double choose_gap(const struct cml_mesh_work *work, const double *nearest, cml_mesh_trial *try_weld,
+                         bool *is_sound)
 {
     const size_t n = work->mesh->num_vertices;
     const double rounding = 1e-9 * cml_mesh_extent(work->mesh);
@@ -98,7 +99,7 @@ static double choose_gap(const struct cml_mesh_work *work, const double *nearest
             (!is_last && (tries == MOST_TRIES - 1 || gap[i + 1] < fmax(10 * gap[i], rounding))))
             continue;
         tries++;
-        *is_sound = cml_mesh_is_sound(work, write_weld(gap[i], text));
+        *is_sound = try_weld(work, write_weld(gap[i], text));
         if (*is_sound) return gap[i];
     }
     return gap[count - 1];
@@ -106,13 +107,14 @@ static double choose_gap(const struct cml_mesh_work *work, const double *nearest
 
 /* Adds how many corners nearly meet and which weld= joins them. False: none do, or none that a larger weld=
  * would help. */
-static bool tell_near(const struct cml_mesh_work *work, const double *nearest, struct cml_error *err)
+static bool tell_near(const struct cml_mesh_work *work, const double *nearest, cml_mesh_trial *try_weld,
+                      struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
     bool is_sound = false;
-    const double gap = choose_gap(work, nearest, &is_sound);
+    const double gap = choose_gap(work, nearest, try_weld, &is_sound);
     size_t near = 0, widest = 0;
-    for (size_t i = 0; i < mesh->num_vertices; i++) {
+    for (size_t i = mesh->num_vertices; i-- > 0;) {
         near += nearest[i] > 0 && nearest[i] <= gap;
         if (nearest[i] == gap) widest = i;
     }
@@ -149,7 +151,8 @@ static void tell_far(const struct cml_mesh_work *work, const double *limit, stru
 
 /* weld= joins corners that are nearer, so a refused mesh whose corners it has joined may want a smaller one.
  */
-void cml_mesh_tell_of_corners(const struct cml_mesh_work *work, struct cml_error *err)
+void cml_mesh_tell_of_corners(const struct cml_mesh_work *work, cml_mesh_trial *try_weld,
+                              struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
     struct cml_error no_memory;
@@ -159,7 +162,7 @@ void cml_mesh_tell_of_corners(const struct cml_mesh_work *work, struct cml_error
     if (!limit || !nearest) return;
     const double width = work->num_paired > 0 ? set_limits(work, limit) : 0;
     if (width > 0 && find_gaps(mesh, 1.001 * width, &gaps, &no_memory) == CML_OK &&
-        tell_near(work, nearest, err))
+        tell_near(work, nearest, try_weld, err))
         return;
     if (work->notes.joined > 0)
         add(err, "; weld=%g has joined %zu corners, up to %.3g cm away: it may be too large", mesh->weld,

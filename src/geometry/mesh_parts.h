@@ -56,13 +56,14 @@ CML_NODISCARD cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, stru
  * refused. In *work only the notes are updated. */
 CML_NODISCARD cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err);
 
+/* A function that returns whether a copy of the mesh can be prepared with another weld=. */
+typedef bool cml_mesh_trial(const struct cml_mesh_work *work, double weld);
+
 /* Adds to the refusal in *err what the user should know of corners: how many of edges with one face nearly
  * meet others, their largest distance, and which weld= joins them; how far the parts of a sheet are from each
  * other; or how many corners the given weld= has joined. Adds nothing if nothing of this is so. */
-void cml_mesh_tell_of_corners(const struct cml_mesh_work *work, struct cml_error *err);
-
-/* True if a copy of the mesh can be prepared with another weld=. The edges must have been paired. */
-bool cml_mesh_is_sound(const struct cml_mesh_work *work, double weld);
+void cml_mesh_tell_of_corners(const struct cml_mesh_work *work, cml_mesh_trial *try_weld,
+                              struct cml_error *err);
 
 /* Returns a hash of three coordinates. -0.0 has another one than 0.0. */
 size_t cml_mesh_hash(const double p[3]);

@@ -41,7 +41,8 @@ static void free_work(struct cml_mesh_work *work)
     free(work->turned);
 }
 
-bool cml_mesh_is_sound(const struct cml_mesh_work *work, double weld)
+/* Prepares a copy of the mesh with another weld=. The edges must have been paired. */
+static bool is_sound_with(const struct cml_mesh_work *work, double weld)
 {
     const struct cml_mesh *mesh = work->mesh;
     struct cml_error err;
@@ -78,7 +79,7 @@ cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source 
     mesh->part = mesh->part_start = NULL;
     mesh->num_parts = 0;
     const cml_status status = run_steps(&work, err);
-    if (status != CML_OK) cml_mesh_tell_of_corners(&work, err);
+    if (status != CML_OK) cml_mesh_tell_of_corners(&work, is_sound_with, err);
     free_work(&work);
     if (notes) *notes = work.notes;
     return status;

@@ -77,7 +77,7 @@ grep -q '128 triangles, edges' "$work/out" || grep -q 'mesh at z = 0 cm, [0-9]* 
 grep -q "boundary 0: 303 corners were joined with others, up to [1-4][.0-9]*e-06 cm away ($weld)" "$work/out" || complain "joined: $(cat "$work/out")"
 scene loose.stl stl-text.stone.stl weld=1e-9
 expect_code 2 check "$work/scene.mci"
-# The same of a body. A weld= that joins too much is named.
+# A body is refused and joined likewise. A weld= that joins too much is named.
 scene obj.skin.obj apart.stl
 expect_code 2 check "$work/scene.mci"
 weld=$(sed -n 's/.*body 1: .*apart.stl: the body is open: .*; 24 corners nearly meet others, .* cm: \(weld=[.0-9]*e-06\) joins them$/\1/p' "$work/err")

@@ -250,7 +250,7 @@ static void refusals_speak_of_weld(void **state)
         const char *text;
     } rows[] = {
         {0.2, 0,
-         "; 3 corners nearly meet others, up to 0.1 cm away at (0.6, 0.5, height 0.25) cm: weld=0.15 joins "
+         "; 3 corners nearly meet others, up to 0.1 cm away at (0.5, 0.5, height 0.25) cm: weld=0.15 joins "
          "them"},
         {0.0002, 0.8,
          "every face of the mesh has zero area; weld=0.8 has joined 6 corners, up to 1.41 cm away: it may be "

@@ -18,28 +18,38 @@ void cml_print_memory(FILE *stream, const struct cml_options *options, const str
             memory.tallies / mib, memory.output / mib);
 }
 
-void cml_print_mesh_repairs(FILE *stream, const struct cml_scene *scene, int b)
+/* Prints how a mesh was changed. Nothing if nothing was changed, as for a boundary or body that is no mesh.
+ * owner: "boundary" or "body". */
+static void print_mesh_repairs(FILE *stream, const char *owner, int number, const struct cml_mesh *mesh,
+                               const struct cml_mesh_notes *notes)
 {
-    const struct cml_boundary *boundary = &scene->boundaries[b];
-    const struct cml_mesh_notes *notes = &boundary->mesh_notes;
-    if (boundary->form != CML_FORM_MESH) return;
+    char name[32];
+    snprintf(name, sizeof name, "%s %d", owner, number);
     if (notes->bent > 0)
         fprintf(stream,
-                "    boundary %d: %zu faces lie in no plane and were cut into triangles, corners up to %.3g "
+                "    %s: %zu faces lie in no plane and were cut into triangles, corners up to %.3g "
                 "cm off the face's mean plane\n",
-                b, notes->bent, notes->bend);
+                name, notes->bent, notes->bend);
     if (notes->joined > 0)
-        fprintf(stream,
-                "    boundary %d: %zu corners were joined with others, up to %.3g cm away (weld=%g)\n", b,
-                notes->joined, notes->join_distance, boundary->mesh.weld);
+        fprintf(stream, "    %s: %zu corners were joined with others, up to %.3g cm away (weld=%g)\n", name,
+                notes->joined, notes->join_distance, mesh->weld);
     if (notes->levelled > 0)
-        fprintf(stream, "    boundary %d: the mesh's border was levelled, its heights differed by %.3g cm\n",
-                b, notes->levelled);
+        fprintf(stream, "    %s: the mesh's border was levelled, its heights differed by %.3g cm\n", name,
+                notes->levelled);
     if (notes->skirt > 0)
         fprintf(stream,
-                "    boundary %d: skirt of %g cm around the mesh to its border's mean height %g cm: %zu "
+                "    %s: skirt of %g cm around the mesh to its border's mean height %g cm: %zu "
                 "triangles, up to %.3g cm\n",
-                b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
+                name, mesh->skirt, 0.0 - mesh->z_border, notes->skirt, notes->skirt_rise);
+}
+
+void cml_print_repairs(FILE *stream, const struct cml_scene *scene)
+{
+    for (int b = 0; b <= scene->num_layers; b++)
+        print_mesh_repairs(stream, "boundary", b, &scene->boundaries[b].mesh,
+                           &scene->boundaries[b].mesh_notes);
+    for (int k = 0; k < scene->num_bodies; k++)
+        print_mesh_repairs(stream, "body", k + 1, &scene->bodies[k].mesh, &scene->bodies[k].mesh_notes);
 }
 
 /* Prints the media as the program understood them. The mean free path, 1 / (mua + mus), is the length to
@@ -109,7 +119,7 @@ static void print_mesh(FILE *stream, const struct cml_scene *scene, int b)
             "    welded %zu bit-equal vertices, dropped %zu degenerate triangles and %zu unused vertices, "
             "turned %zu triangles\n",
             notes->welded, notes->degenerate, notes->unused, notes->flipped);
-    cml_print_mesh_repairs(stream, scene, b);
+    print_mesh_repairs(stream, "boundary", b, mesh, notes);
     const double thickness = scene->boundaries[scene->num_layers].z;
     const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
     if (width > 100 * thickness || s.peak_to_valley > thickness)
@@ -149,13 +159,14 @@ static void print_tile(FILE *stream, const struct cml_scene *scene, int b)
     fprintf(stream, "    the beam does not repeat\n");
 }
 
-/* Prints the box around a body, which shows wrong units or a wrong shift. */
+/* Prints the box around a body, which shows wrong units or a wrong shift, and how its mesh was changed. */
 static void print_body_box(FILE *stream, const struct cml_scene_body *body, int k)
 {
     double lower[3], upper[3];
     cml_body_box(body, lower, upper);
     fprintf(stream, "  mesh of body %d: x %g..%g, y %g..%g, z %g..%g cm\n", k + 1, lower[0], upper[0],
             lower[1], upper[1], lower[2], upper[2]);
+    print_mesh_repairs(stream, "body", k + 1, &body->mesh, &body->mesh_notes);
 }
 
 /* Prints a line about each boundary or body that is a mesh or a tile; of bodies only the first

@@ -14,6 +14,6 @@ CML_NODISCARD cml_status cml_check_scene(FILE *stream, const struct cml_options 
 void cml_print_memory(FILE *stream, const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces);
 
-/* Prints how the mesh of boundary b was changed: faces cut, border levelled, skirt added. Prints nothing if
- * it was not. */
-void cml_print_mesh_repairs(FILE *stream, const struct cml_scene *scene, int b);
+/* Prints how the meshes of all boundaries and bodies were changed: faces cut, corners joined, border
+ * levelled, skirt added. Prints nothing of a mesh that was not. */
+void cml_print_repairs(FILE *stream, const struct cml_scene *scene);

@@ -99,7 +99,7 @@ static void announce(const struct cml_simulation *sim)
     cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_top(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_shapes(stdout, "  ", scene, setup->surfaces, CML_READ_BY_PEOPLE);
-    for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(stdout, scene, b);
+    cml_print_repairs(stdout, scene);
     if (setup->part.count > 0)
         printf("  part %" PRIu64 " of %" PRIu64 "\n", setup->part.number, setup->part.count);
     const struct cml_options all = cml_all_photons(sim);

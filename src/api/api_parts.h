@@ -54,15 +54,8 @@ CML_NODISCARD cml_status cml_api_open(const struct cml_options *options, struct 
                                       struct cml_error *err);
 
 /* For the program: frees *scene at the end of its scope, and takes over the error of a call. */
-static inline void cml_api_close(struct clm_scene **scene)
-{
-    clm_scene_free(*scene);
-}
-static inline cml_status cml_api_take(int status, struct cml_error *err)
-{
-    if (status != CLM_OK) *err = cml_api_error;
-    return (cml_status)status;
-}
+void cml_api_close(struct clm_scene **scene);
+CML_NODISCARD cml_status cml_api_take(int status, struct cml_error *err);
 
 /* Returns the settings with which a run is read. */
 const struct cml_settings *cml_api_settings(const struct clm_scene *scene, int run);

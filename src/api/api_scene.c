@@ -286,6 +286,17 @@ CML_API void clm_scene_free(struct clm_scene *scene)
     free(scene);
 }
 
+void cml_api_close(struct clm_scene **scene)
+{
+    clm_scene_free(*scene);
+}
+
+cml_status cml_api_take(int status, struct cml_error *err)
+{
+    if (status != CLM_OK) *err = cml_api_error;
+    return (cml_status)status;
+}
+
 CML_API int clm_scene_runs(const struct clm_scene *scene)
 {
     return scene->list.count;

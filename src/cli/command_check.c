@@ -11,8 +11,9 @@ cml_status cml_command_check(const struct cml_options *options, struct cml_error
 {
     CML_AT_END(cml_api_close) struct clm_scene *scene = NULL;
     CML_TRY(cml_api_open(options, &scene, err));
-    CML_TRY(cml_read_sweep(options, &scene->inputs, err));
+    const struct cml_text_source record = cml_inputs_recorder(&scene->inputs);
     const struct cml_sweep_size *sweep = &scene->sweep;
+    CML_TRY(cml_read_sweep(options, &record, err));
     CML_TRY(cml_sweep_check(options, &scene->list, &scene->inputs, &scene->sweep, &scene->flown, err));
     for (int i = 0; i < clm_scene_runs(scene); i++) {
         const char *text;

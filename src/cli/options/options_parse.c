@@ -191,8 +191,7 @@ static void look_ahead(int argc, char **argv, struct cml_options *options)
             if (options->named) options->which = command;
             first = false;
         } else if (kind == WORD_OPTION && option && (!option->argument || option->read == cml_read_engine)) {
-            if (option->argument && !words.value) continue;
-            if (option->read(option, words.value, options, &later) != CML_OK) continue;
+            if (words.value || !option->argument) (void)option->read(option, words.value, options, &later);
         }
     }
 }

@@ -9,9 +9,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Checks the table of --sweep. The table is an input like others, which all ranks read again later. */
-static cml_status read_sweep(const struct cml_options *options, const struct cml_text_source *source,
-                             struct cml_error *err)
+/* The table is an input like others, which all ranks read again later. */
+cml_status cml_read_sweep(const struct cml_options *options, const struct cml_text_source *source,
+                          struct cml_error *err)
 {
     struct cml_sweep_table table = {.num_rows = 0};
     if (!options->sweep) return CML_OK;
@@ -24,15 +24,7 @@ static cml_status load(const struct cml_options *options, const struct cml_text_
                        struct cml_scene_list *list, struct cml_error *err)
 {
     CML_TRY(cml_load_scenes(options, source, list, err));
-    const cml_status status = read_sweep(options, source, err);
-    if (status != CML_OK) cml_scene_list_clear(list);
-    return status;
-}
-
-cml_status cml_read_sweep(const struct cml_options *options, struct cml_inputs *inputs, struct cml_error *err)
-{
-    const struct cml_text_source record = cml_inputs_recorder(inputs);
-    return read_sweep(options, &record, err);
+    return cml_read_sweep(options, source, err);
 }
 
 /* Sends the bytes of all files that rank 0 has read to the other ranks, which then read the scene from these

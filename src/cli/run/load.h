@@ -3,9 +3,9 @@
 
 #include "simulation/scenes.h"
 
-/* Checks that the table of --sweep can be read, and adds its bytes to *inputs. */
-CML_NODISCARD cml_status cml_read_sweep(const struct cml_options *options, struct cml_inputs *inputs,
-                                        struct cml_error *err);
+/* Checks that the table of --sweep can be read from the source. */
+CML_NODISCARD cml_status cml_read_sweep(const struct cml_options *options,
+                                        const struct cml_text_source *source, struct cml_error *err);
 
 /* Reads the scenes and the table of --sweep on all ranks: rank 0 reads the files and sends their bytes to the
  * others. The caller clears *list and *inputs, which must be empty, also on failure. Collective. */

@@ -284,7 +284,6 @@ bool cml_cluster_stop_requested(atomic_int *own)
     return all_requested() && atomic_load(&service.syncs_requested) % 2 == 1;
 }
 
-/* Begins or ends a stretch in which this rank works by itself, as if it were the only one. */
 void cml_cluster_alone(bool alone)
 {
     atomic_store(&cml_ranks.alone, alone);

@@ -1,12 +1,12 @@
 /* Runs of the C library, and their results as arrays. SPDX-License-Identifier: MIT */
 #include "api/api_parts.h"
 
-#include "cli/load/beam_notes.h"
 #include "cli/run/one_run.h"
-#include "cli/run/prepare.h"
 #include "cli/run/sweep.h"
 #include "cli/run/sweep_flights.h"
 #include "run/identity.h"
+#include "simulation/beam_notes.h"
+#include "simulation/simulation.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -33,10 +33,8 @@ struct clm_run {
     struct cml_options options;
     struct cml_scene scene;
     char *inputs; /* lines of the identity */
-    struct cml_prepared prepared;
-    /* what has flown: zero photons before the first flight */
-    struct cml_run_result flown;
-    struct cml_report report;
+    struct cml_simulation sim;
+    struct cml_report report; /* what has flown, and its arrays */
     struct cml_report_arrays arrays;
     struct item *item; /* [num_items] arrays, then axes */
     int num_items;
@@ -62,7 +60,7 @@ static bool is_cancelled(void *context)
 static void on_note(void *context, const char *text)
 {
     const struct listener *listener = context;
-    listener->notes.to(listener->notes.context, text);
+    if (listener->notes.to) listener->notes.to(listener->notes.context, text);
 }
 
 /* Makes the surfaces of a run, and shares those of runs before that have the same shapes. */
@@ -70,8 +68,8 @@ static cml_status prepare(struct clm_run *run, struct cml_surface_set *shared, s
 {
     struct cml_surface_options options = run->options.surface;
     struct cml_surface_set kept;
-    CML_TRY(cml_prepare(&run->options, shared->count > 0 ? shared : NULL, &run->prepared, err));
-    options.shared = &run->prepared.surfaces;
+    CML_TRY(cml_simulation_prepare(&run->sim, shared->count > 0 ? shared : NULL, err));
+    options.shared = &run->sim.surfaces;
     CML_TRY(cml_surfaces_create(&run->scene, &options, &kept, err));
     cml_surfaces_free(shared);
     *shared = kept;
@@ -81,7 +79,7 @@ static cml_status prepare(struct clm_run *run, struct cml_surface_set *shared, s
 static cml_status open_run(struct clm_scene *scene, int index, const char *const *options,
                            struct clm_run *run, struct cml_error *err)
 {
-    struct cml_run_setup *setup = &run->prepared.setup;
+    struct cml_run_setup *setup = &run->sim.setup;
     CML_TRY(cml_api_check_run(scene, index, err));
     CML_TRY(cml_api_parse(scene->list.scenes[index].file, &scene->words, options, false, &run->words,
                           &run->options, err));
@@ -91,13 +89,14 @@ static cml_status open_run(struct clm_scene *scene, int index, const char *const
                            &scene->list.scenes[index], &run->scene, err));
     CML_TRY(cml_check_differentiated(&run->options, &run->scene, err));
     CML_TRY(cml_identity_inputs(&scene->inputs, &run->inputs, err));
-    *setup = cml_setup_of(&run->options, &run->scene, run->options.engine_options.seed, (uint32_t)index);
+    cml_simulation_begin(&run->options, &run->scene, run->options.engine_options.seed, (uint32_t)index,
+                         &run->sim);
     setup->on_progress = on_progress;
     setup->cancelled = is_cancelled;
     setup->on_note = on_note;
     setup->context = &run->listener;
     CML_TRY(prepare(run, &scene->surfaces[index], err));
-    return cml_note_beam(&run->scene, &run->prepared.surfaces, NULL, err);
+    return cml_note_beam(&run->scene, &run->sim.surfaces, NULL, err);
 }
 
 CML_API int clm_run_open(struct clm_scene *scene, int index, const char *const *options, struct clm_run **out)
@@ -199,45 +198,18 @@ static cml_status view(struct clm_run *run, struct cml_error *err)
 
 /* ---- flight ---- */
 
-/* Adds the photons of a flight to those before. */
-static void add(struct clm_run *run, struct cml_run_result *flown)
-{
-    if (run->flown.result.photons > 0) {
-        cml_run_add(&flown->result, &run->flown.result);
-        flown->timing.seconds += run->flown.timing.seconds;
-        flown->timing.rank[0].elapsed += run->flown.timing.rank[0].elapsed;
-        flown->timing.rank[0].processor += run->flown.timing.rank[0].processor;
-    }
-    cml_run_result_free(&run->flown);
-    run->flown = *flown;
-}
-
 static cml_status fly(struct clm_run *run, uint64_t photons, struct cml_error *err)
 {
-    struct cml_run_setup *setup = &run->prepared.setup;
-    struct cml_run_result flown;
-    if (!setup->scene) return cml_fail(err, CML_E_INPUT, "a row of a sweep (expected a run of clm_run_open)");
-    const uint64_t before = run->flown.result.photons;
-    if (setup->target_error > 0 ? photons > 0 || before > 0 : photons == 0 && before > 0)
-        return cml_fail(err, CML_E_INPUT, "%llu photons behind %llu (expected %s)",
-                        (unsigned long long)photons, (unsigned long long)before,
-                        setup->target_error > 0 ? "0, once, with target-error" : "1 or more");
-    if (photons > ((uint64_t)1 << 48) - before)
-        return cml_fail(err, CML_E_INPUT, "%llu photons behind %llu (expected at most 2^48 together)",
-                        (unsigned long long)photons, (unsigned long long)before);
-    run->listener.notes = cml_api_notes;
+    if (!run->sim.options)
+        return cml_fail(err, CML_E_INPUT, "a row of a sweep (expected a run of clm_run_open)");
+    run->listener.notes = cml_notes;
     atomic_store(&run->listener.cancelled, false);
-    struct cml_run_setup slice = *setup;
-    slice.base = before;
-    if (photons > 0) slice.photons = before + photons;
-    CML_TRY(cml_run(&slice, &flown, err));
-    setup->photons = slice.photons;
+    CML_TRY(cml_simulation_fly(&run->sim, photons, err));
     clear_view(run);
-    add(run, &flown);
-    CML_TRY(cml_prepared_identify(&run->options, run->inputs, &run->prepared, err));
-    run->report = cml_prepared_report(&run->prepared, &run->flown, "");
+    CML_TRY(cml_simulation_identify(&run->sim, run->inputs, err));
+    run->report = cml_simulation_report(&run->sim);
     CML_TRY(view(run, err));
-    return cml_run_verdict(&run->scene, &run->flown.result, err);
+    return cml_run_verdict(&run->scene, run->report.sums, err);
 }
 
 CML_API int clm_run_fly(struct clm_run *run, uint64_t photons)
@@ -250,8 +222,7 @@ CML_API void clm_run_free(struct clm_run *run)
 {
     if (!run) return;
     clear_view(run);
-    cml_run_result_free(&run->flown);
-    cml_prepared_clear(&run->prepared);
+    cml_simulation_clear(&run->sim);
     cml_scene_clear(&run->scene);
     free(run->inputs);
     cml_api_words_clear(&run->words);
@@ -385,7 +356,7 @@ CML_API int clm_scene_sweep(struct clm_scene *scene, const char *const *options,
                             clm_progress *progress, clm_row *row, void *context)
 {
     CML_API_CALL();
-    struct sweep sweep = {{progress, context, cml_api_notes, false}, row};
+    struct sweep sweep = {{progress, context, cml_notes, false}, row};
     struct cml_api_words words;
     struct cml_options parsed;
     cml_status status = cml_api_parse(scene->list.scenes[0].file, &scene->words, options, false, &words,

@@ -77,6 +77,12 @@ int clm_scene_set_number(struct clm_scene *scene, int run, const char *name, dou
 int clm_scene_set_numbers(struct clm_scene *scene, int run, int count, const char *const *name,
                           const double *value);
 
+/* The text that the program prints on a run without flying it, or with json as one line. clm_scene_check: the
+ * text of `check`. clm_scene_exact: totals by adding-doubling, with planes in place of all shapes. The text
+ * is valid until the next such call, or until the scene is freed. */
+int clm_scene_check(struct clm_scene *scene, int run, int json, const char **text);
+int clm_scene_exact(struct clm_scene *scene, int run, int json, const char **text);
+
 /* ---- runs ---- */
 
 /* A run of a scene, and what has flown of it. It does not need the scene any more. */

@@ -4,6 +4,7 @@
 #include "clustermcml.h"
 
 #include <locale.h>
+#include <math.h>
 #include <pthread.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -100,6 +101,31 @@ static void a_refused_number_leaves_the_scene(void **state)
     clm_run_free(b);
     clm_scene_free(scene);
     clm_scene_free(same);
+}
+
+/* A layer of the index of the media around it, without scattering, absorbs 1 - exp(-mua d). */
+static const char clear[] = "1.0\n1\na.mco A\n64\n0.01 0.02\n20 15 3\n1\n1.0\n1 2 0 0 0.5\n1.0\n";
+
+static void a_scene_is_known_without_a_flight(void **state)
+{
+    (void)state;
+    const char *text, *A;
+    struct clm_scene *scene = parsed(clear);
+    require(clm_scene_exact(scene, 0, 1, &text));
+    A = strstr(text, "\"A\":");
+    assert_true(A && fabs(strtod(A + 4, NULL) - (1 - exp(-1))) < 1e-7);
+    require(clm_scene_set(scene, 0, "layer1.mua", "4"));
+    require(clm_scene_exact(scene, 0, 1, &text));
+    A = strstr(text, "\"A\":");
+    assert_true(A && fabs(strtod(A + 4, NULL) - (1 - exp(-2))) < 1e-7);
+    require(clm_scene_check(scene, 0, 1, &text));
+    assert_true(text[0] == '{' && strstr(text, "\"mua\":4.0") &&
+                strchr(text, '\n') == text + strlen(text) - 1);
+    require(clm_scene_check(scene, 0, 0, &text));
+    assert_non_null(strstr(text, "64 photons"));
+    assert_int_equal(clm_scene_check(scene, 1, 0, &text), CLM_E_INPUT);
+    assert_string_equal(text, "");
+    clm_scene_free(scene);
 }
 
 static void numbers_are_set_again_and_again(void **state)
@@ -389,6 +415,7 @@ int main(void)
         cmocka_unit_test(slices_have_the_bits_of_one_flight),
         cmocka_unit_test(a_run_needs_its_scene_no_more),
         cmocka_unit_test(a_refused_number_leaves_the_scene),
+        cmocka_unit_test(a_scene_is_known_without_a_flight),
         cmocka_unit_test(numbers_are_set_again_and_again),
         cmocka_unit_test(numbers_that_belong_together_are_set_at_once),
         cmocka_unit_test(rows_of_a_sweep_are_runs),

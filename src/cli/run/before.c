@@ -3,7 +3,7 @@
 
 #include "base/atomic_file.h"
 #include "base/text.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "output/files/vtk.h"
 #include "output/report.h"
 #include "result/head.h"
@@ -17,7 +17,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* True if a checkpoint, or its older version, exists. */
+cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
+                           struct cml_error *err)
+{
+    if (!options->directory || name[0] == '/') return cml_text_copy(name, path, err);
+    return cml_text_format(path, "a path", err, "%s/%s", options->directory, name);
+}
+
 bool cml_has_checkpoint(const char *path)
 {
     char older[PATH_MAX];
@@ -41,8 +47,6 @@ static uint64_t photons_of(const char *path)
     return !cml_file_is_device(path) && cml_head_read(path, &head) ? head.photons : 0;
 }
 
-/* Refuses to let --resume replace another run's result that has more photons, because it took longer to
- * fly. */
 cml_status cml_before_keep_better(const struct cml_options *options, const char *path, uint64_t photons,
                                   uint64_t *found, struct cml_error *err)
 {
@@ -178,8 +182,6 @@ static cml_status keep_better(const struct cml_options *options, const struct cm
     return cml_before_keep_better(options, path, setup->photons, &found, err);
 }
 
-/* Looks at what lies under the names of a run's files before it flies: a result that stands, a result of
- * another run, a checkpoint. row: of a sweep from 1, or 0. */
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                            struct cml_before *before, struct cml_error *err)
 {
@@ -303,8 +305,6 @@ static void note_replaced(const struct cml_scene *scene, const char *there)
     free(saved);
 }
 
-/* Shows notes on what a run overwrites or misses when it begins to fly: checkpoints, results, beams without
- * photons. */
 void cml_before_note(const struct cml_options *options, const struct cml_run_setup *setup, int row,
                      const struct cml_before *before)
 {

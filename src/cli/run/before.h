@@ -1,9 +1,15 @@
 /* The files that a run finds on the disk before it flies. SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/options/options.h"
+#include "options/options.h"
 #include "output/report.h"
 #include "run/run.h"
+
+/* Returns the path of a scene's output in *path: `name` below the folder of -o, unless it is absolute. The
+ * caller frees *path.
+ */
+CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
+                                         struct cml_error *err);
 
 struct cml_before {
     /* First file of the run that exists; first file that is not as a run left it. NULL: none. */

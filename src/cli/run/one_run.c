@@ -2,12 +2,11 @@
 #include "cli/run/one_run.h"
 
 #include "base/atomic_file.h"
-#include "cli/load/beam_notes.h"
-#include "cli/load/scenes.h"
-#include "cli/run/aim.h"
 #include "cli/run/before.h"
-#include "cli/run/prepare.h"
 #include "cli/run/progress.h"
+#include "simulation/beam_notes.h"
+#include "simulation/check.h"
+#include "simulation/simulation.h"
 #include "output/report.h"
 #include "run/cluster/cluster.h"
 #include "run/identity.h"
@@ -94,8 +93,10 @@ static cml_status publish(const struct cml_run_call *call, struct cml_report *re
 }
 
 /* Prints the scene before the flight, so that wrong input shows in the first second and not after hours. */
-static void announce(const struct cml_options *options, const struct cml_run_setup *setup)
+static void announce(const struct cml_simulation *sim)
 {
+    const struct cml_options *options = sim->options;
+    const struct cml_run_setup *setup = &sim->setup;
     if (options->quiet || options->json || cml_cluster_rank() != 0) return;
     const struct cml_scene *scene = setup->scene;
     printf("%s: %s%g photons, %d layer%s, %s engine, seed %llu\n", scene->output,
@@ -104,11 +105,11 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_top(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_shapes(stdout, "  ", scene, setup->surfaces, CML_READ_BY_PEOPLE);
-    for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(scene, b);
+    cml_print_repairs(stdout, scene);
     if (setup->part.count > 0)
         printf("  part %" PRIu64 " of %" PRIu64 "\n", setup->part.number, setup->part.count);
-    const struct cml_options all = cml_all_photons(options, setup);
-    cml_print_memory(&all, scene, setup->surfaces);
+    const struct cml_options all = cml_all_photons(sim);
+    cml_print_memory(stdout, &all, scene, setup->surfaces);
     fflush(stdout);
 }
 
@@ -149,11 +150,12 @@ static bool may_aim(const struct cml_run_setup *setup)
 
 /* Publishes a run on rank 0. Its checkpoint then says that the run is finished, so that --resume skips it;
  * with --keep the checkpoint also has the tallies, and must be written. */
-static cml_status publish_run(const struct cml_run_call *call, const struct cml_prepared *prepared,
-                              struct cml_run_result *run, struct cml_record *record, struct cml_error *err)
+static cml_status publish_run(const struct cml_run_call *call, struct cml_simulation *sim,
+                              struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    const struct cml_run_setup *setup = &prepared->setup;
+    const struct cml_run_setup *setup = &sim->setup;
+    struct cml_run_result *run = &sim->flown;
     if (cml_cluster_rank() != 0) return CML_OK;
     if (run->intent == CML_RUN_NOTHING_LEFT) {
         if (!setup->result_stands) CML_TRY(take_record(call, &run->record, record, err));
@@ -162,9 +164,8 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
         const bool says = !options->quiet && !options->json && call->row == 0;
         return says ? say_finished(call, setup, err) : CML_OK;
     }
-    struct cml_report report = cml_prepared_report(prepared, run, options->command);
+    struct cml_report report = cml_simulation_report(sim);
     report.row = call->row;
-    report.classic = options->classic;
     if (may_aim(setup)) report.flat_below = cml_aim_proposal(setup->scene, setup->surfaces, &run->result);
     if (call->row == 0 && !options->quiet && !options->json && may_aim(setup) && !setup->options.derivatives)
         report.unseen = cml_aim_unseen(setup->scene, setup->surfaces, &run->result);
@@ -230,18 +231,18 @@ static void note_poor(const struct cml_run_rows *rows, const struct poor_rows po
 }
 
 /* Writes the files of row i of a flight that several rows share, and notes where its packets are too few. */
-static cml_status publish_row(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                              const struct cml_run_result *run, int i, struct poor_rows *poor,
-                              struct cml_error *err)
+static cml_status publish_row(const struct cml_run_call *call, const struct cml_simulation *sim, int i,
+                              struct poor_rows *poor, struct cml_error *err)
 {
     const struct cml_run_rows *rows = call->rows;
+    const struct cml_run_result *run = &sim->flown;
     struct cml_result result;
     CML_TRY(cml_row_result(&run->result, i, &result, err));
     struct cml_report report = {.scene = rows->scene[i],
-                                .surfaces = setup->surfaces,
+                                .surfaces = &sim->surfaces,
                                 .sums = &result,
                                 .timing = &run->timing,
-                                .provenance = setup->provenance,
+                                .provenance = &sim->provenance,
                                 .row = rows->number[i] + 1,
                                 .command = call->options->command};
     const cml_status status = publish(call, &report, &rows->record[i], err);
@@ -252,9 +253,10 @@ static cml_status publish_row(const struct cml_run_call *call, const struct cml_
 
 /* Publishes all rows of a flight on rank 0, even if weights of a row do not balance. After a signal it stops
  * if the checkpoint of the flight holds all rows. */
-static cml_status publish_rows(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                               const struct cml_run_result *run, struct cml_error *err)
+static cml_status publish_rows(const struct cml_run_call *call, const struct cml_simulation *sim,
+                               struct cml_error *err)
 {
+    const struct cml_run_setup *setup = &sim->setup;
     struct poor_rows poor[NUM_POOR] = {{0}};
     cml_status worst = CML_OK;
     for (int i = 0; cml_cluster_rank() == 0 && i < call->rows->count; i++) {
@@ -262,7 +264,7 @@ static cml_status publish_rows(const struct cml_run_call *call, const struct cml
         if (setup->checkpoint && cml_stop_requested())
             return cml_fail(err, CML_E_STOPPED, "%s: stopped with %d of %d rows to write; --resume continues",
                             setup->scene->output, call->rows->count - i, call->rows->count);
-        const cml_status status = publish_row(call, setup, run, i, poor, &why);
+        const cml_status status = publish_row(call, sim, i, poor, &why);
         if (status != CML_OK) *err = why;
         if (status == CML_E_NUMERIC) worst = status;
         if (status != CML_OK && status != CML_E_NUMERIC) return status;
@@ -272,68 +274,55 @@ static cml_status publish_rows(const struct cml_run_call *call, const struct cml
     return worst;
 }
 
-/* A run of the program: what it shares with the C library, and its checkpoint and files. */
-struct prepared {
-    struct cml_prepared flight;
+/* A run of the program, with its checkpoint and files. */
+struct own {
+    struct cml_simulation sim;
     char *checkpoint, *base_identity;
     struct cml_before before; /* files that were there before the run, on rank 0 only */
 };
 
 /* Ends a complete part on rank 0: removes the older checkpoint, and prints the time and the part's file. */
-static void say_part(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                     const struct cml_run_result *run)
+static void say_part(const struct cml_run_call *call, const struct cml_simulation *sim)
 {
+    const char *path = sim->setup.checkpoint;
+    const struct cml_run_result *run = &sim->flown;
     if (cml_cluster_rank() != 0) return;
-    cml_checkpoint_remove_older(setup->checkpoint);
+    cml_checkpoint_remove_older(path);
     if (call->options->quiet || call->row > 0) return;
     if (run->intent == CML_RUN_NOTHING_LEFT)
         printf("  finished before\n");
     else
         printf("  %.3g s, %.0f photons\n", run->timing.seconds,
                (double)run->result.summary.count[CML_COUNT_PHOTONS]);
-    printf("  -> %s\n", setup->checkpoint);
+    printf("  -> %s\n", path);
 }
 
-/* Joins the parts of a run. If the call has only one run, all files must be parts of it. */
-static cml_status join(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                       struct cml_run_result *run, struct cml_error *err)
+/* Takes the sums of the run's parts in place of a flight. If the call has only one run, all files must be
+ * parts of it. */
+static cml_status join(const struct cml_run_call *call, struct cml_simulation *sim, struct cml_error *err)
 {
-    return cml_run_join(setup, call->options->joined, call->only, run, err);
+    return cml_run_join(&sim->setup, call->options->joined, call->only, &sim->flown, err);
 }
 
-/* Reads and checks the parts of the run for `merge`, but writes nothing yet. */
-static cml_status look_at_parts(const struct cml_run_call *call, const struct cml_run_setup *setup,
-                                struct cml_error *err)
+/* Flies or joins the run and publishes it, on all ranks. `merge` first only looks at all parts. Signals are
+ * remembered only if a checkpoint can be written. */
+static cml_status fly(const struct cml_run_call *call, struct own *run, struct cml_record *record,
+                      struct cml_error *err)
 {
-    struct cml_run_result run;
-    CML_TRY(join(call, setup, &run, err));
-    cml_run_result_free(&run);
-    return CML_OK;
-}
-
-/* Flies or joins the run and publishes it, on all ranks. Signals are remembered only if a checkpoint can be
- * written. */
-static cml_status fly(const struct cml_run_call *call, const struct prepared *prepared,
-                      struct cml_record *record, struct cml_error *err)
-{
-    const struct cml_run_setup *setup = &prepared->flight.setup;
-    struct cml_run_result run;
-    if (cml_part_files_looking(call->options->joined)) return look_at_parts(call, setup, err);
+    struct cml_simulation *sim = &run->sim;
+    const struct cml_run_setup *setup = &sim->setup;
+    if (cml_part_files_looking(call->options->joined)) return join(call, sim, err);
     if ((setup->base == 0 || setup->part.count > 0) && cml_cluster_rank() == 0)
-        cml_before_note(call->options, setup, call->row, &prepared->before);
+        cml_before_note(call->options, setup, call->row, &run->before);
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
-    if (call->row == 0) announce(call->options, setup);
-    CML_TRY(call->options->joined ? join(call, setup, &run, err) : cml_run(setup, &run, err));
+    if (call->row == 0) announce(sim);
+    CML_TRY(call->options->joined ? join(call, sim, err) : cml_simulation_fly(sim, 0, err));
     if (setup->part.count > 0) {
-        say_part(call, setup, &run);
-        cml_run_result_free(&run);
+        say_part(call, sim);
         return CML_OK;
     }
-    cml_status status = call->rows ? publish_rows(call, setup, &run, err)
-                                   : publish_run(call, &prepared->flight, &run, record, err);
-    status = cml_cluster_agree(status, err);
-    cml_run_result_free(&run);
-    return status;
+    const cml_status status = call->rows ? publish_rows(call, sim, err) : publish_run(call, sim, record, err);
+    return cml_cluster_agree(status, err);
 }
 
 /* True if the run has checkpoints. Output to a device has none, because it cannot be continued. */
@@ -348,7 +337,6 @@ bool cml_run_leaves_checkpoints(const struct cml_options *options)
     return options->resume || options->keep || options->parts > 0;
 }
 
-/* Makes the path of the checkpoint of a scene's run. */
 cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,
                               struct cml_error *err)
 {
@@ -357,7 +345,6 @@ cml_status cml_run_checkpoint(const struct cml_options *options, const struct cm
     return cml_checkpoint_of(options, output, path, err);
 }
 
-/* Makes the path of the file that keeps a run's sums: its checkpoint, or the file of its part. */
 cml_status cml_checkpoint_of(const struct cml_options *options, const char *output, char **path,
                              struct cml_error *err)
 {
@@ -416,10 +403,10 @@ static cml_status plan_more_of(const struct cml_run_call *call, struct cml_run_s
 
 /* Decides on all ranks which photons the run flies, before any step that may fail on one rank alone.
  * Checkpoint, --part and --more have a say. */
-static cml_status plan_photons(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
+static cml_status plan_photons(const struct cml_run_call *call, struct own *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    struct cml_run_setup *setup = &run->flight.setup;
+    struct cml_run_setup *setup = &run->sim.setup;
     cml_status status = CML_OK;
     if (uses_checkpoints(options, call->scene))
         status = cml_run_checkpoint(options, call->scene, &run->checkpoint, err);
@@ -446,13 +433,13 @@ static cml_status plan_photons(const struct cml_run_call *call, struct prepared 
 
 /* Computes the identity of the run, by which checkpoints and results know it, and with --more that of the
  * run that it extends. */
-static cml_status identify(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
+static cml_status identify(const struct cml_run_call *call, struct own *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    struct cml_run_setup *setup = &run->flight.setup;
-    CML_TRY(cml_prepared_identify(options, call->inputs, &run->flight, err));
+    struct cml_run_setup *setup = &run->sim.setup;
+    CML_TRY(cml_simulation_identify(&run->sim, call->inputs, err));
     if (options->more == 0) return CML_OK;
-    struct cml_provenance before = run->flight.provenance;
+    struct cml_provenance before = run->sim.provenance;
     before.value[CML_DECIDES_photons] = (double)(setup->photons - options->more);
     CML_TRY(cml_identity_of(&before, setup->scene->settings, call->inputs, &run->base_identity, err));
     setup->base_identity = run->base_identity;
@@ -461,11 +448,11 @@ static cml_status identify(const struct cml_run_call *call, struct prepared *run
 
 /* Prepares a run: surfaces, memory, aim, identity, and a look at files that exist. All this may fail on one
  * rank alone, hence it comes before the ranks agree to fly. */
-static cml_status prepare(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
+static cml_status prepare(const struct cml_run_call *call, struct own *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    struct cml_run_setup *setup = &run->flight.setup;
-    CML_TRY(cml_prepare(options, call->shared, &run->flight, err));
+    struct cml_run_setup *setup = &run->sim.setup;
+    CML_TRY(cml_simulation_prepare(&run->sim, call->shared, err));
     CML_TRY(identify(call, run, err));
     if (!call->rows && !options->receiver && cml_cluster_rank() == 0)
         CML_TRY(cml_before_look(options, setup, call->row, &run->before, err));
@@ -477,24 +464,23 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     return CML_OK;
 }
 
-/* Returns the setup of a run as far as options and scene decide it. Surfaces, aim and identity are added
- * when they are known. */
-static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
+/* Begins a run, as far as options and scene decide it. */
+static void begin(const struct cml_run_call *call, struct cml_display *display, struct cml_simulation *sim)
 {
     const struct cml_options *options = call->options;
-    struct cml_run_setup setup = cml_setup_of(options, call->scene, call->seed, call->run);
-    setup.part = (struct cml_part){options->part, options->parts};
-    setup.call = options->parts > 0 ? options->call : NULL;
-    setup.interval = options->checkpoint_interval;
-    setup.resume = options->resume;
-    setup.on_progress = cml_progress_show;
-    setup.context = display;
-    if (!options->receiver) return setup;
-    setup.on_progress = options->receiver->on_progress;
-    setup.cancelled = options->receiver->cancelled;
-    setup.on_note = options->receiver->on_note;
-    setup.context = options->receiver->context;
-    return setup;
+    struct cml_run_setup *setup = &sim->setup;
+    cml_simulation_begin(options, call->scene, call->seed, call->run, sim);
+    setup->part = (struct cml_part){options->part, options->parts};
+    setup->call = options->parts > 0 ? options->call : NULL;
+    setup->interval = options->checkpoint_interval;
+    setup->resume = options->resume;
+    setup->on_progress = cml_progress_show;
+    setup->context = display;
+    if (!options->receiver) return;
+    setup->on_progress = options->receiver->on_progress;
+    setup->cancelled = options->receiver->cancelled;
+    setup->on_note = options->receiver->on_note;
+    setup->context = options->receiver->context;
 }
 
 /* Does one run from beginning to end: plans, prepares, flies and publishes. Frees whatever was made,
@@ -503,13 +489,14 @@ cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *recor
 {
     const struct cml_options *options = call->options;
     struct cml_display display = {.quiet = options->quiet, .terminal = isatty(STDERR_FILENO)};
-    struct prepared run = {.flight.setup = setup_of(call, &display)};
+    struct own run = {0};
+    begin(call, &display, &run.sim);
     *record = (struct cml_record){0};
     cml_status status = plan_photons(call, &run, err);
     if (status == CML_OK) status = cml_cluster_agree(prepare(call, &run, err), err);
     if (status == CML_OK) status = fly(call, &run, record, err);
     cml_progress_end(&display);
-    cml_prepared_clear(&run.flight);
+    cml_simulation_clear(&run.sim);
     free(run.checkpoint);
     free(run.base_identity);
     cml_before_clear(&run.before);

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/options/options.h"
+#include "options/options.h"
 #include "cli/run/pending.h"
 #include "output/report.h"
 #include "run/run.h"

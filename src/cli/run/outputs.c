@@ -4,7 +4,7 @@
 #include "base/array.h"
 #include "base/atomic_file.h"
 #include "base/text.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "cli/run/before.h"
 #include "cli/run/one_run.h"
 #include "output/files/hdf5_file.h"
@@ -474,8 +474,6 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
     return CML_OK;
 }
 
-/* Claims the files of all runs before the first one flies, so that no result is lost for a bad name hours
- * later. */
 cml_status cml_outputs_claim(const struct cml_options *options, const struct cml_scene_list *list,
                              int num_locks, const struct cml_inputs *inputs,
                              void (*note)(void *context, const char *text), struct cml_outputs *outputs,
@@ -493,8 +491,6 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     return status;
 }
 
-/* Releases the locks of all runs. A folder that was made for the results goes too if it stayed empty: rmdir
- * refuses others. */
 void cml_outputs_release(struct cml_outputs *outputs)
 {
     for (size_t i = 0; i < outputs->num_locks; i++) cml_file_lock_release(&outputs->lock[i]);

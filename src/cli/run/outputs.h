@@ -4,7 +4,7 @@
 
 #include "base/file_lock.h"
 #include "base/input_files.h"
-#include "cli/options/options.h"
+#include "options/options.h"
 
 /* The kinds of files of a run: the main result, files beside it, and the checkpoint. */
 enum cml_output_kind { CML_OUTPUT_MAIN, CML_OUTPUT_BESIDE, CML_OUTPUT_CHECKPOINT };
@@ -36,5 +36,6 @@ CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            void (*note)(void *context, const char *text),
                                            struct cml_outputs *outputs, struct cml_error *err);
 
-/* Releases all files, and removes the folder that was made here if it is still empty. */
+/* Releases all files, and removes the folder that was made here if it is still empty (rmdir refuses others).
+ */
 void cml_outputs_release(struct cml_outputs *outputs);

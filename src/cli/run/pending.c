@@ -4,7 +4,7 @@
 #include "base/array.h"
 #include "base/atomic_file.h"
 #include "base/clock.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,14 +30,12 @@ static void clear_all(struct cml_pending *pending)
     pending->count = 0;
 }
 
-/* Begins a sweep: its files are forced to disk many at a time, because one by one would be slow. */
 void cml_pending_begin(struct cml_pending *pending)
 {
     pending->flushed = cml_now();
     cml_file_defer_sync(true);
 }
 
-/* Adds a finished row of a sweep to those whose checkpoints are marked as finished later, many at a time. */
 cml_status cml_pending_add(struct cml_pending *pending, const char *checkpoint, const char *identity,
                            const struct cml_run_state *state, const struct cml_record *record,
                            struct cml_error *err)
@@ -65,8 +63,6 @@ static void mark(const struct cml_pending_row *row)
     cml_checkpoint_remove(row->checkpoint);
 }
 
-/* Forces the results of waiting rows to disk, then marks the rows as finished in their checkpoints. Unless
- * `now`, it waits until the last flush is so long ago that flushing takes little of the time. */
 cml_status cml_pending_flush(struct cml_pending *pending, bool now, struct cml_error *err)
 {
     struct cml_error why;
@@ -82,7 +78,6 @@ cml_status cml_pending_flush(struct cml_pending *pending, bool now, struct cml_e
     return status;
 }
 
-/* Ends a sweep: marks remaining rows as finished if `marks`, and forces all result files to disk. */
 cml_status cml_pending_end(struct cml_pending *pending, bool marks, struct cml_error *err)
 {
     cml_status status = marks ? cml_pending_flush(pending, true, err) : CML_OK;

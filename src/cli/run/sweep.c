@@ -3,9 +3,9 @@
 
 #include "base/text.h"
 #include "base/version.h"
-#include "cli/load/beam_notes.h"
-#include "cli/load/scenes.h"
-#include "cli/run/aim.h"
+#include "simulation/beam_notes.h"
+#include "simulation/scenes.h"
+#include "simulation/aim.h"
 #include "cli/run/before.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
@@ -534,7 +534,6 @@ static void clear_sweep(struct cml_sweep_run *sweep)
     free(sweep->group);
 }
 
-/* Runs all rows of a --sweep. Every row is checked before the first one flies. */
 cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
                      struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -546,8 +545,6 @@ cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_l
     return status;
 }
 
-/* Checks all rows of a sweep without flying, and returns how many rows and flights there are. *largest:
- * options of the flight that needs most memory. */
 cml_status cml_sweep_check(const struct cml_options *options, const struct cml_scene_list *list,
                            struct cml_inputs *inputs, struct cml_sweep_size *size,
                            struct cml_engine_options *largest, struct cml_error *err)

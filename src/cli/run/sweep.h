@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/input_files.h"
-#include "cli/options/options.h"
+#include "options/options.h"
 #include "output/report.h"
 #include "scene/scene.h"
 

@@ -2,7 +2,7 @@
 #include "cli/run/sweep_flights.h"
 
 #include "base/text.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "cli/run/one_run.h"
 #include "input/sweep/sweep_groups.h"
 #include "run/cluster/cluster.h"
@@ -12,8 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Refuses options that --reweight cannot be combined with: rows of one flight share photons, so rows cannot
- * end or continue by themselves. */
 cml_status cml_sweep_check_options(const struct cml_options *options, struct cml_error *err)
 {
     const struct {
@@ -31,7 +29,6 @@ cml_status cml_sweep_check_options(const struct cml_options *options, struct cml
     return CML_OK;
 }
 
-/* Refuses --reweight for a scene that asks for large arrays, which would be needed once for each row. */
 cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_error *err)
 {
     const char *has = scene->fluence.line > 0 ? "fluence"
@@ -229,8 +226,6 @@ static struct cml_engine_options options_of(const struct cml_sweep_run *sweep, c
     return options;
 }
 
-/* Checks that every flight of a sweep fits the memory. *largest becomes the options of the flight that needs
- * most. */
 cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_engine_options *largest,
                                   struct cml_error *err)
 {
@@ -245,7 +240,7 @@ cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_
             options.engine_options = options_of(sweep, &group, false);
             status = cml_check_memory(&options, &group.flown, NULL, err);
         }
-        const double bytes = status == CML_OK ? cml_most_memory(&options, &group.flown, NULL) : 0;
+        const double bytes = status == CML_OK ? cml_memory_of(&options, &group.flown, NULL).most : 0;
         if (bytes > most) *largest = options.engine_options;
         largest->rows.more = NULL;
         most = bytes > most ? bytes : most;
@@ -283,8 +278,6 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
     return status;
 }
 
-/* Flies the groups of rows one after the other. An imbalance of weights (CML_E_NUMERIC) does not stop the
- * sweep; any other failure does. */
 cml_status cml_sweep_fly_groups(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     cml_status worst = CML_OK;

@@ -4,7 +4,8 @@
 
 #include "cli/run/sweep_scenes.h"
 
-/* Refuses options beside --reweight that rows of one flight do not support. CML_E_INPUT. */
+/* Refuses options beside --reweight that rows of one flight do not support: they share photons. CML_E_INPUT.
+ */
 CML_NODISCARD cml_status cml_sweep_check_options(const struct cml_options *options, struct cml_error *err);
 
 /* Refuses a scene that asks for results which rows of one flight cannot have. CML_E_INPUT. */

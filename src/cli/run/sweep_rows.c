@@ -256,8 +256,6 @@ static cml_status fly_shared(struct cml_sweep_rows *rows, bool json, cml_sweep_f
     return cml_cluster_agree(flown, err);
 }
 
-/* Flies all rows: with more rows than ranks each rank flies rows by itself, otherwise all ranks share each
- * row. */
 cml_status cml_sweep_rows_fly(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                               void *context, struct cml_error *err)
 {

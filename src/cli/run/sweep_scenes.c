@@ -2,14 +2,13 @@
 #include "cli/run/sweep_scenes.h"
 
 #include "base/text.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "output/report.h"
 #include "run/cluster/cluster.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Makes the file name of a row's result, such as NAME-0001.mco. row counts from 0, the name from 1. */
 cml_status cml_sweep_row_output(const struct cml_sweep_run *sweep, int row, char **name,
                                 struct cml_error *err)
 {
@@ -20,7 +19,6 @@ cml_status cml_sweep_row_output(const struct cml_sweep_run *sweep, int row, char
     return cml_text_format(name, "a name", err, "%s-%0*d%s", stem, sweep->digits, row + 1, ending);
 }
 
-/* Makes the file name of a row's saved packets. Scenes that save none keep no name. */
 cml_status cml_sweep_name_saved(const struct cml_sweep_run *sweep, int row, char **name,
                                 struct cml_error *err)
 {
@@ -30,8 +28,6 @@ cml_status cml_sweep_name_saved(const struct cml_sweep_run *sweep, int row, char
     return cml_text_format(name, "a name", err, "%s-%0*d", of_all, sweep->digits, row + 1);
 }
 
-/* Collects the settings of a row: those of --set, then those of the row's columns. Labels and the seed set
- * nothing in the scene. */
 cml_status cml_sweep_row_settings(const struct cml_sweep_run *sweep, int row, struct cml_settings *settings,
                                   struct cml_error *err)
 {
@@ -57,8 +53,6 @@ cml_status cml_sweep_row_seed(const struct cml_sweep_run *sweep, int row, uint64
     return cml_setting_fail(&setting, "a whole number from 0 to 9007199254740992", err);
 }
 
-/* Puts the row's number and values before an error message about its scene, unless the message names the
- * table already. Returns `status`. */
 cml_status cml_sweep_name_row(const struct cml_sweep_run *sweep, int row, cml_status status,
                               struct cml_error *err)
 {
@@ -95,8 +89,6 @@ cml_status cml_sweep_read_row(const struct cml_sweep_run *sweep, int row, struct
     return cml_sweep_read(sweep, row, &settings, scene, err);
 }
 
-/* Prints one line for a finished row: its values and totals. The specular reflectance is left out if it is
- * 0. */
 void cml_sweep_print_row(const struct cml_sweep_run *sweep, int row, const struct cml_record *record)
 {
     const struct cml_sweep_table *table = &sweep->table;
@@ -118,8 +110,6 @@ void cml_sweep_print_row(const struct cml_sweep_run *sweep, int row, const struc
     fflush(stdout);
 }
 
-/* Returns the worse of two statuses: of a row, and of writing results safely. An unsafe result counts more
- * than unbalanced weights. */
 cml_status cml_sweep_add_safety(cml_status status, cml_status safe, struct cml_error *why,
                                 struct cml_error *err)
 {

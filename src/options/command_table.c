@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/options/command_table.h"
+#include "options/command_table.h"
 
 #include "base/text.h"
 
@@ -124,7 +124,6 @@ const struct cml_command_def cml_commands[] = {
 };
 _Static_assert(sizeof cml_commands / sizeof *cml_commands == CML_NUM_COMMANDS, "a command without a row");
 
-/* Returns the command of this name, or CML_NUM_COMMANDS if there is none. */
 enum cml_command cml_command_find(const char *name)
 {
     int command = 0;
@@ -132,7 +131,6 @@ enum cml_command cml_command_find(const char *name)
     return (enum cml_command)command;
 }
 
-/* Returns the name of the command that was probably meant; NULL if no name is similar. */
 const char *cml_command_guess(const char *word)
 {
     struct cml_guess guess = {.word = word, .length = strlen(word)};

@@ -2,11 +2,15 @@
 #pragma once
 
 #include "base/status.h"
-#include "cli/options/command_table.h"
+#include "options/command_table.h"
 
 #include <stddef.h>
 
 struct cml_options;
+
+/* Bits of cml_option.commands behind those of commands: the C library takes the option for a flight, or for
+ * the reading of a scene. */
+enum { CML_OPTION_OF_FLIGHT = 1 << 29, CML_OPTION_OF_READING = 1 << 30 };
 
 struct cml_option {
     const char *name; /* name without the two dashes */

@@ -2,8 +2,8 @@
  * the expected value. SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/options/option.h"
-#include "cli/options/options.h"
+#include "options/option.h"
+#include "options/options.h"
 
 typedef cml_status cml_option_reader(const struct cml_option *option, const char *value,
                                      struct cml_options *options, struct cml_error *err);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/settings.h"
-#include "cli/options/command_table.h"
+#include "options/command_table.h"
 #include "engine/engine.h"
 #include "surface/surface.h"
 

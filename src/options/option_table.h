@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/options/option.h"
+#include "options/option.h"
 
 /* All options in the order of the help. */
 extern const struct cml_option cml_option_table[];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/aim.h"
+#include "simulation/aim.h"
 
 #include "aim/windows.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "exact/tail_response.h"
 
 #include <stdio.h>
@@ -170,8 +170,6 @@ static cml_status create_of(const char *aim, const struct cml_scene *scene,
     return status;
 }
 
-/* Makes what --aim needs: a table of the flat tail for light below the uneven part of the scene, and weight
- * windows for other aims. */
 cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
                           const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
 {
@@ -202,7 +200,6 @@ cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_s
     return create_for(options, scene, surfaces, true, to, err);
 }
 
-/* Lets an engine use the aim: its table of the tail, its windows, whichever it has. */
 void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options)
 {
     if (aim->tail.scores > 0) options->tail = &aim->tail;
@@ -224,7 +221,6 @@ cml_status cml_find_error_of(const struct cml_options *options, const struct cml
                     scene->file, scene->line, name, scene->num_layers);
 }
 
-/* Tries out --aim before any flight, so that a refusal comes early. The aim itself is made again later. */
 cml_status cml_aim_check(const struct cml_options *options, const struct cml_scene *scene,
                          const struct cml_surface_set *shared, struct cml_error *err)
 {
@@ -258,8 +254,6 @@ static bool would_gain(const struct cml_scene *scene, const struct cml_surface_s
     return gain;
 }
 
-/* Returns a detector that no packet has reached and that --aim would help, counted from 1; otherwise 0. A
- * note then suggests --aim to the user. */
 int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                    const struct cml_result *result)
 {

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/load/beam_notes.h"
+#include "simulation/beam_notes.h"
 
 #include "base/constants.h"
-#include "cli/load/scenes.h"
+#include "simulation/scenes.h"
 #include "engine/world.h"
 #include "geometry/footprint.h"
+#include "scene/contact.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -130,6 +131,16 @@ static bool has_flat_rays(const struct cml_beam *beam, double n, double t)
     return beam->angle + widest > t && beam->angle - widest < CML_PI - t;
 }
 
+/* Returns the index above a layer between planes: what light meets there that has left all ports behind. 0: a
+ * mirror. INFINITY: a face that ends light in time, because it absorbs or gives light a new direction. */
+static double index_above(const struct cml_scene *scene, int layer)
+{
+    const int whole = layer == 1 ? cml_contact_whole(scene) : 0;
+    if (!whole) return scene->media[layer - 1].n;
+    const struct cml_backing_def *face = &scene->contacts[whole - 1].face;
+    return cml_reflects_all(face) && face->kind != CML_BACKING_LAMBERTIAN ? 0 : INFINITY;
+}
+
 /* Notes light that starts in a clear layer with total reflection at both neighbours: between planes this
  * light never leaves. A rough boundary changes its direction, so there is no note then. */
 static void note_trapped(const struct cml_scene *scene, int k, int medium)
@@ -140,14 +151,15 @@ static void note_trapped(const struct cml_scene *scene, int k, int medium)
     for (int b = medium - 1; b <= medium; b++)
         if (cml_is_rough(&scene->boundaries[b].rough)) return;
     const struct cml_medium_def *own = &scene->media[medium];
-    const double most = fmax(own[-1].n, own[1].n);
+    const double most = fmax(index_above(scene, medium), own[1].n);
     if (cml_medium_mut(own) > 0 || most >= own->n || !has_flat_rays(beam, own->n, asin(most / own->n)))
         return;
     note_line(
         scene, beam->line,
-        "beam %d starts in layer %d, which is clear and has a larger n than both its neighbours: what planes "
-        "reflect totally there, beyond %g degrees from the vertical, is trapped, and counted as such",
-        k + 1, medium, asin(most / own->n) * 180 / CML_PI);
+        "beam %d starts in layer %d, which is clear and has a larger n than %s: what planes reflect totally "
+        "there, beyond %g degrees from the vertical, is trapped, and counted as such",
+        k + 1, medium, index_above(scene, medium) > 0 ? "both its neighbours" : "what is below its mirror",
+        asin(most / own->n) * 180 / CML_PI);
 }
 
 /* Notes a beam that starts beyond all heights of the first or last surface, and leads away from it with all
@@ -184,8 +196,9 @@ static void note_faces(const struct cml_scene *scene, const double *stopped)
 {
     const struct cml_medium_def *own = &scene->media[1];
     note_stopped(scene, stopped);
-    if (cml_medium_mut(own) > 0 || cml_layer_has_bodies(scene, 1) || own->n <= own[-1].n ||
-        own->n <= own[1].n || cml_is_rough(&scene->boundaries[1].rough) ||
+    if (cml_medium_mut(own) > 0 || cml_layer_has_bodies(scene, 1) ||
+        own->n <= fmin(own[-1].n, index_above(scene, 1)) || own->n <= own[1].n ||
+        cml_is_rough(&scene->boundaries[1].rough) ||
         (scene->num_layers == 1 && scene->backing.kind != CML_BACKING_NONE))
         return;
     for (int k = 0; k < scene->num_contacts; k++)
@@ -208,8 +221,6 @@ cml_status cml_check_starts(const struct cml_scene *scene, const struct cml_surf
     return cml_source_media(scene, &surfaces, &medium, NULL, err);
 }
 
-/* Shows notes on beams that are allowed but probably not what the user wants, such as light that a clear
- * layer traps. */
 cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int **starts,
                          struct cml_error *err)
 {

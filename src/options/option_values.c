@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/options/option_values.h"
+#include "options/option_values.h"
 
 #include "base/text.h"
 #include "engine/engines.h"

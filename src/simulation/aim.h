@@ -10,7 +10,7 @@
 #pragma once
 
 #include "aim/level.h"
-#include "cli/options/options.h"
+#include "options/options.h"
 #include "scene/window_table.h"
 #include "scene/flat_tail.h"
 #include "surface/surface.h"

@@ -1,9 +1,9 @@
 /* Runs of the C library, and their results as arrays. SPDX-License-Identifier: MIT */
 #include "api/api_parts.h"
 
-#include "cli/run/one_run.h"
-#include "cli/run/sweep.h"
-#include "cli/run/sweep_flights.h"
+#include "flights/one_run.h"
+#include "flights/sweep.h"
+#include "flights/sweep_flights.h"
 #include "run/identity.h"
 #include "simulation/beam_notes.h"
 #include "simulation/simulation.h"

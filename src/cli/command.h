@@ -2,7 +2,7 @@
  * program. options->operands[0] is the first word behind the command's name. SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/run/load.h"
+#include "flights/load.h"
 
 #define CML_DECLARE(NAME, name, ...)                                                                         \
     CML_NODISCARD cml_status cml_command_##name(const struct cml_options *options, struct cml_error *err);

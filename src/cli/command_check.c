@@ -2,7 +2,7 @@
 #include "api/api_parts.h"
 #include "cli/command.h"
 
-#include "cli/run/sweep.h"
+#include "flights/sweep.h"
 
 #include <stdio.h>
 

@@ -3,7 +3,7 @@
 #include "cli/command.h"
 
 #include "base/atomic_file.h"
-#include "cli/run/before.h"
+#include "flights/before.h"
 #include "input/mesh/gsf.h"
 #include "input/mesh/obj.h"
 #include "scene/body/body_shape.h"

@@ -29,7 +29,7 @@ struct cml_options {
     uint64_t part, parts;
     /* For `merge`: parts whose sums replace flights; NULL: none. */
     struct cml_part_files *joined;
-    /* Takes results in place of files (cli/run/one_run.h); NULL: none. */
+    /* Takes results in place of files (flights/one_run.h); NULL: none. */
     const struct cml_receiver *receiver;
     double timeout; /* s of silence after which a rank counts as lost */
     bool quiet, json, verbose;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/progress.h"
+#include "flights/progress.h"
 
 #include <stdio.h>
 #include <string.h>

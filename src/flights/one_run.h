@@ -3,7 +3,7 @@
 #pragma once
 
 #include "options/options.h"
-#include "cli/run/pending.h"
+#include "flights/pending.h"
 #include "output/report.h"
 #include "run/run.h"
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/outputs.h"
+#include "flights/outputs.h"
 
 #include "base/array.h"
 #include "base/atomic_file.h"
 #include "base/text.h"
 #include "simulation/scenes.h"
-#include "cli/run/before.h"
-#include "cli/run/one_run.h"
+#include "flights/before.h"
+#include "flights/one_run.h"
 #include "output/files/hdf5_file.h"
 #include "output/files/hdf5_head.h"
 #include "output/files/vtk.h"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/one_run.h"
+#include "flights/one_run.h"
 
 #include "base/atomic_file.h"
-#include "cli/run/before.h"
-#include "cli/run/progress.h"
+#include "flights/before.h"
+#include "flights/progress.h"
 #include "simulation/beam_notes.h"
 #include "simulation/check.h"
 #include "simulation/simulation.h"

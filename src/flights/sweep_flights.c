@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/sweep_flights.h"
+#include "flights/sweep_flights.h"
 
 #include "base/text.h"
 #include "simulation/scenes.h"
-#include "cli/run/one_run.h"
+#include "flights/one_run.h"
 #include "input/sweep/sweep_groups.h"
 #include "run/cluster/cluster.h"
 #include "run/join.h"

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/run/sweep_scenes.h"
+#include "flights/sweep_scenes.h"
 
 /* Refuses options beside --reweight that rows of one flight do not support: they share photons. CML_E_INPUT.
  */

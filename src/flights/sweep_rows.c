@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/sweep_rows.h"
+#include "flights/sweep_rows.h"
 
 #include "run/cluster/cluster.h"
 

@@ -2,10 +2,10 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/run/before.h"
-#include "cli/run/outputs.h"
-#include "cli/run/pending.h"
-#include "cli/run/sweep_rows.h"
+#include "flights/before.h"
+#include "flights/outputs.h"
+#include "flights/pending.h"
+#include "flights/sweep_rows.h"
 #include "input/sweep/sweep_table.h"
 #include "surface/surface.h"
 

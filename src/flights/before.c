@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/before.h"
+#include "flights/before.h"
 
 #include "base/atomic_file.h"
 #include "base/text.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/load.h"
+#include "flights/load.h"
 
 #include "base/text.h"
 #include "input/sweep/sweep_table.h"

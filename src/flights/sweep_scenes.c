@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/sweep_scenes.h"
+#include "flights/sweep_scenes.h"
 
 #include "base/text.h"
 #include "simulation/scenes.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/run/pending.h"
+#include "flights/pending.h"
 
 #include "base/array.h"
 #include "base/atomic_file.h"

@@ -330,17 +330,19 @@ static double overlap_of(const struct target *target, const struct cml_medium_de
     return sum / windows->places / importance[place_in(z / windows->depth, windows->cells)];
 }
 
-/* Raises the importance near the detectors: I (1 + 3 / f exp(-s)), where f is the share that the apertures
- * accept. s is the distance in transport mean free paths, of which those along the face count three times.
- * There the next few scatterings decide if a packet comes to the detector and within its aperture, and no
- * later split can help. So the best weight falls with the root of the mean square of the importance over
- * directions, which is far larger than the mean. Factors 1 to 10, ranges 0.5 to 2 and widths 1 to 4 were
- * flown, for fibres with apertures of 0.22, 0.39 and none. */
+/* Raises the importance near the detectors: I (1 + 10 / sqrt(f) exp(-s)), where f is the share that the
+ * apertures accept. s is the distance in transport mean free paths, of which those along the face count three
+ * times. There the next few scatterings decide if a packet comes to the detector and within its aperture, and
+ * no later split can help. So the best weight falls with the root of the mean square of the importance over
+ * directions, which is far larger than the mean. Factors of a half to
+ * ten times this one, ranges of 0.5 to 2 and widths of 1 to 4 were flown, for fibres with apertures of 0.22,
+ * 0.39 and none. */
 static void raise_near(const struct target *target, const struct cml_medium_def *media,
                        const struct cml_window_table *windows, double *importance)
 {
     const struct cml_seen_rings seen = target->seen;
-    const double factor = 3 / accepted_by(target), all = overlap_of(target, media, windows, importance);
+    const double factor = 10 / sqrt(accepted_by(target)),
+                 all = overlap_of(target, media, windows, importance);
     for (int c = 0; c < CELLS; c++) {
         double mutr = 0;
         const double way =

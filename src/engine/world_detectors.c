@@ -22,16 +22,6 @@ static struct cml_outline outline_of(const struct cml_scene *scene, const struct
     return outline;
 }
 
-/* Returns the square that the distance from the middle must stay below. A disk holds its rim, a ring with a
- * hole does not hold its outer one. */
-static real outer_square(const double size[2])
-{
-    const real square = (real)(size[1] * size[1]);
-    if (size[0] > 0) return square;
-    return sizeof(real) == sizeof(float) ? (real)nextafterf((float)square, INFINITY)
-                                         : (real)nextafter((double)square, INFINITY);
-}
-
 struct cml_area cml_area_of(const struct cml_outline *outline, const double origin[2])
 {
     const double x = outline->x - origin[0], y = outline->y - origin[1], *size = outline->size,
@@ -39,7 +29,7 @@ struct cml_area cml_area_of(const struct cml_outline *outline, const double orig
     return (struct cml_area){.shape = (int)outline->shape,
                              .middle = cml_vec_of(x, y, 0),
                              .inner2 = (real)(size[0] * size[0]),
-                             .outer2 = outer_square(size),
+                             .outer2 = (real)(size[1] * size[1]),
                              .low_x = (real)(x - half_w),
                              .high_x = (real)(x + half_w),
                              .low_y = (real)(y - half_h),

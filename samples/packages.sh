@@ -2,7 +2,8 @@
 # Installs the Debian packages that clustermcml needs, from the one list of them; Debian 12, Debian 13 and Ubuntu 24.04
 # have the same names. `packages.sh` installs missing packages to build, run and plot; `packages.sh test` also those of
 # the tests; `packages.sh build` only those that a build with its tests needs, a sixth of all; `packages.sh names` prints the
-# names of all, and installs nothing. Asks for sudo only if something is missing.
+# names of all, and installs nothing. `packages.sh wheel` installs those of samples/wheel.sh alone, and
+# `packages.sh wheel-aarch64` its compiler for ARM. Asks for sudo only if something is missing.
 # SPDX-License-Identifier: MIT
 set -eu
 build="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin ocl-icd-opencl-dev opencl-headers"
@@ -17,6 +18,8 @@ test | names)
     packages="$packages munge slurmctld slurmd slurm-client slurm-wlm-basic-plugins"
     ;;
 build) packages="$build $tested" ;;
+wheel) packages="cmake make gcc g++ libc6-dev pkg-config git ca-certificates python3-venv" ;;
+wheel-aarch64) packages="gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static" ;;
 esac
 
 test "${1:-}" != names || { printf '%s\n' $packages; exit 0; }

@@ -1,6 +1,8 @@
 #!/bin/sh
-# The wheel of samples/wheel.sh in bare Debian 12, Debian 13 and Ubuntu 24.04, made by debootstrap with python3 and nothing else: an ordinary
-# user installs it, flies five lines of Python to a picture, and all samples to the results that $CLUSTERMCML writes here.
+# The wheel of samples/wheel.sh in bare Debian 12, Debian 13 and Ubuntu 24.04, made by debootstrap with python3, Open MPI and MPICH: an
+# ordinary user installs it, flies five lines of Python to a picture, and all samples to the results that $CLUSTERMCML writes
+# here. Two ranks under both MPI libraries fly some to these results, too. Python of Debian 11 is too old for the package:
+# there the program flies alone.
 #
 #     ROOTS=/var/tmp/roots sh tests/python/wheel.sh     roots stay there; the next run makes none
 #     WHEEL=FILE sh tests/python/wheel.sh               that wheel, and none is built
@@ -17,6 +19,10 @@ roots=${ROOTS:-$work/roots}
 mkdir -p "$roots" "$work/here"
 wheel=${WHEEL:-}
 test -n "$wheel" || { sh samples/wheel.sh "$work/wheel" && wheel=$(ls "$work"/wheel/*.whl); } || exit 1
+case $wheel in
+*-manylinux_2_28_x86_64.whl) ;;
+*) echo "$wheel: is not for glibc 2.28"; exit 1 ;;
+esac
 test "$(stat -c %s "$wheel")" -le 40000000 || { echo "$wheel has more than 40 MB"; exit 1; }
 
 # Runs in a root as an ordinary user, without network namespaces; mounts go with the process.
@@ -31,7 +37,7 @@ as_user() { # ROOT COMMANDS
 
 # Ubuntu's keys are those that Debian 13 packages.
 make_root() { # SUITE
-    test ! -e "$roots/$1/usr/bin/python3" || return 0
+    test ! -e "$roots/$1/usr/bin/mpiexec.mpich" || return 0
     archive=http://deb.debian.org/debian keys= script=
     test "$1" != noble || {
         make_root trixie && chroot "$roots/trixie" sh -c 'apt-get update -q && apt-get install -y -q ubuntu-keyring' || return 1
@@ -39,7 +45,7 @@ make_root() { # SUITE
         keys="--components=main,universe --keyring=$roots/trixie/usr/share/keyrings/ubuntu-archive-keyring.gpg"
     }
     # Word splitting is meant.
-    unshare --mount debootstrap --variant=minbase --include=python3,python3-venv $keys "$1" "$roots/$1" $archive $script
+    unshare --mount debootstrap --variant=minbase --include=python3,python3-venv,openmpi-bin,mpich $keys "$1" "$roots/$1" $archive $script
 }
 
 fly='for scene in *.mci shapes/*.mci; do
@@ -47,11 +53,25 @@ fly='for scene in *.mci shapes/*.mci; do
     mkdir -p "$flown"
     $PROGRAM "$scene" --photons 2000 --threads 2 --quiet -o "$flown"
 done'
-try='rm -rf venv flown picture.png
+ranks='for mpi in openmpi mpich; do
+    for scene in $RANKED; do
+        mkdir -p "$HOME/$mpi/$scene"
+        mpiexec.$mpi $(test $mpi = mpich || echo --oversubscribe) -n 2 $PROGRAM $scene.mci --photons 2000 --threads 1 \
+            --verbose -o "$HOME/$mpi/$scene" >"$HOME/told" 2>&1 || { cat "$HOME/told"; exit 1; }
+        grep -q "2 ranks" "$HOME/told" || { cat "$HOME/told"; exit 1; }
+    done
+done'
+alone='rm -rf whole
+    python3 -m zipfile -e ./*.whl whole
+    cd whole/clustermcml
+    chmod +x bin/clustermcml
+    OUT=$HOME/flown PROGRAM=$PWD/bin/clustermcml
+    cd share/clustermcml/samples'
+try='rm -rf venv picture.png
     python3 -m venv venv
     venv/bin/pip install -q --disable-pip-version-check ./*.whl
     venv/bin/clustermcml --version
-    venv/bin/clustermcml --version | grep -q "^MPI no, HDF5 yes, OpenCL yes"
+    venv/bin/clustermcml --version | grep -q "^MPI at run time, HDF5 yes, OpenCL yes"
     venv/bin/clustermcml devices || test $? -eq 6
     venv/bin/python five.py
     test -s picture.png
@@ -76,16 +96,18 @@ content() { # FILE
     esac
 }
 
-# Results of a root that are not here, or have another content.
-others() { # ROOT
-    (cd "$work/here" && find . -name '*.mco' -o -name '*.h5') >"$work/names"
+# Results that a folder does not have as they are here; NAME: a sample, or all.
+others() { # FOLDER NAME...
+    folder=$1
+    shift
+    (cd "$work/here" && find "$@" -name '*.mco' -o -name '*.h5') >"$work/names"
     while read -r file; do
-        content "$work/here/$file" >"$work/a" && test -s "$work/a" && content "$1/home/user/flown/$file" 2>&1 | cmp -s - "$work/a" || echo "$file"
+        content "$work/here/$file" >"$work/a" && test -s "$work/a" && content "$folder/$file" 2>&1 | cmp -s - "$work/a" || echo "$folder/$file"
     done <"$work/names"
 }
 
-made=0 failed=0
-for suite in bookworm trixie noble; do
+made=0 failed=0 ranked="fig5 furrows"
+for suite in bullseye bookworm trixie noble; do
     (make_root $suite) >"$work/log" 2>&1 || { echo "$suite: no root can be made: $(grep -v '^I:' "$work/log" | tail -n 1)"; continue; }
     made=$((made + 1))
     root=$roots/$suite
@@ -95,10 +117,12 @@ for suite in bookworm trixie noble; do
     cp /etc/ssl/certs/ca-certificates.crt "$root/home/user/ca.crt" # of the package registry, as it is reached from here
     cp /etc/resolv.conf /etc/hosts "$root/etc"
     chown -R 1234:1234 "$root/home/user"
+    commands=$try
+    test $suite != bullseye || commands=$alone
     begin=$(date +%s)
-    if as_user "$root" "$try; $fly" >"$work/log" 2>&1; then
-        differ=$(others "$root")
-        test -z "$differ" && echo "$suite: installed, drawn and flown in $(($(date +%s) - begin)) s, $(wc -l <"$work/names") results as here" && continue
+    if as_user "$root" "$commands; RANKED='$ranked'; $fly; $ranks" >"$work/log" 2>&1; then
+        differ=$(others "$root/home/user/openmpi" $ranked; others "$root/home/user/mpich" $ranked; others "$root/home/user/flown" .)
+        test -z "$differ" && echo "$suite: installed and flown in $(($(date +%s) - begin)) s, $(find "$work/here" -name '*.mco' -o -name '*.h5' | wc -l) results as here" && continue
         echo "$suite: other results: $differ"
     else
         echo "$suite: failed" && cat "$work/log"

@@ -266,6 +266,8 @@ static cml_status show(struct item *item, struct clm_array *array, struct cml_er
 CML_API int clm_run_item(struct clm_run *run, int i, struct clm_array *array)
 {
     if (i >= 0 && i < run->num_items) return show(&run->item[i], array, &cml_api_error);
+    if (run->num_items == 0)
+        return cml_fail(&cml_api_error, CML_E_INPUT, "array %d (expected a flight before)", i);
     return cml_fail(&cml_api_error, CML_E_INPUT, "array %d (expected 0 to %d)", i, run->num_items - 1);
 }
 

@@ -36,10 +36,10 @@ extern "C" {
 /* The numbers are the exit codes of the command line. */
 enum clm_status {
     CLM_OK = 0,
-    CLM_E_INPUT = 2,    /* the scene, an option or a name is wrong, or memory does not suffice */
+    CLM_E_INPUT = 2,    /* the scene, a file, an option or a name is wrong, or memory does not suffice */
     CLM_E_DEVICE = 3,   /* no such device, or the device refused */
     CLM_E_NUMERIC = 4,  /* the run ended and its result can be read, but cannot be trusted */
-    CLM_E_IO = 5,       /* a file could not be read or written */
+    CLM_E_IO = 5,       /* a file could not be written */
     CLM_E_STOPPED = 75, /* the progress function has cancelled the flight */
 };
 

@@ -85,7 +85,7 @@ const struct cml_key cml_key_table[] = {
     ROW(MESH, "rotate", NULL, REAL, OPT, mesh_file_options, rotate, "degrees", -360, 360, "degree", "0", "turn about the vertical, counter-clockwise seen from above; not of a heightmap"),
     ROW(MESH, "units", NULL, OWN, OPT, mesh_file_options, unit, "cm, mm, um or m", 0, 0, NULL, "cm", "unit of the file's numbers: an `.asc` file needs the key, a `.gsf` file has its own unit"),
     ROW(MESH, "scale", NULL, REAL, OPT, mesh_file_options, scale, "a number", TINY, BIG, NULL, "1", "factor on all coordinates of the file"),
-    ROW(MESH, "weld", NULL, REAL, OPT, mesh_file_options, weld, "a distance", TINY, BIG, "cm", "none", "corners nearer to each other than this become one, at the place of the first; equal corners always do; not of a heightmap"),
+    ROW(MESH, "weld", NULL, REAL, OPT, mesh_file_options, weld, "a distance", TINY, BIG, "cm", "none", "corners nearer to each other than this become one, at the place of the first; so do chains of such corners, and equal corners always; not of a heightmap"),
     ROW(PLACE, "shift", NULL, XYZ, OPT, mesh_file_options, shift, NULL, 0, 0, "cm", "0,0,0", "by how much the shape is moved along x, y and up; also of `m gaussian`"),
     ROW(PLACE, "normals", NULL, WORD, OPT, mesh_file_options, normals, "face vertex", 0, 0, NULL, "face", "normals of the facets, or interpolated ones; also of `m gaussian`"),
     ROW(SHEET, "skirt", NULL, REAL, OPT, mesh_file_options, skirt, "a width", TINY, BIG, "cm", "none", "width of the skirt of a border that is not level; not of a heightmap"),

@@ -149,8 +149,9 @@ void cml_report_reach(const struct cml_body_surface *body, double *least, double
         closest[i] = fmax(0, fmax(body->lower[i], 0.0 - body->upper[i]));
         farthest[i] = fmax(0.0 - body->lower[i], body->upper[i]);
     }
-    *least = hypot(closest[0], closest[1]);
-    *most = hypot(farthest[0], farthest[1]);
+    /* not hypot, whose last bits changed with glibc 2.35 */
+    *least = sqrt(closest[0] * closest[0] + closest[1] * closest[1]);
+    *most = sqrt(farthest[0] * farthest[0] + farthest[1] * farthest[1]);
 }
 
 /* Prints the depths and the distances from the z axis that the box around a body spans. */

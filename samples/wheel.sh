@@ -38,11 +38,12 @@ mkdir "$work/abi"
 cp "$work/tools/include/mpi_abi.h" "$work/abi/mpi.h"
 debian=x86_64-linux-gnu # headers are the same for both machines
 adapters="openmpi=$WHEEL_ROOT/usr/lib/$debian/openmpi/include;mpich=$WHEEL_ROOT/usr/include/$debian/mpich;abi=$work/abi"
+# the program that prints its help, and auditwheel, find the root's OpenCL and OpenMP there
+export LD_LIBRARY_PATH="$WHEEL_ROOT/usr/lib/$WHEEL_ARCH-linux-gnu"
 _PYTHON_HOST_PLATFORM=linux-$WHEEL_ARCH pip wheel --quiet --no-deps --no-build-isolation --wheel-dir "$work" "$source" \
     --config-settings=build-dir="$work/build" --config-settings=cmake.define.CMAKE_TOOLCHAIN_FILE="$parts/toolchain.cmake" \
     --config-settings=cmake.define.CLUSTERMCML_MPI=OFF --config-settings=cmake.define.CLUSTERMCML_ADAPTERS="$adapters"
-# the loader of OpenCL comes into the wheel
-LD_LIBRARY_PATH=$WHEEL_ROOT/usr/lib/$WHEEL_ARCH-linux-gnu auditwheel repair --wheel-dir "$work/whole" "$work"/clustermcml-*.whl \
+auditwheel repair --wheel-dir "$work/whole" "$work"/clustermcml-*.whl \
     >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
 mkdir -p "$out"
 cp "$work"/whole/clustermcml-*.whl "$out"

@@ -53,7 +53,8 @@ fly='for scene in *.mci shapes/*.mci; do
     mkdir -p "$flown"
     $PROGRAM "$scene" --photons 2000 --threads 2 --quiet -o "$flown"
 done'
-ranks='for mpi in openmpi mpich; do
+# MPICH of Ubuntu 24.04 gives each process a world of its own, so that the program refuses to run.
+ranks='for mpi in openmpi $(grep -q Ubuntu /etc/os-release || echo mpich); do
     for scene in $RANKED; do
         mkdir -p "$HOME/$mpi/$scene"
         mpiexec.$mpi $(test $mpi = mpich || echo --oversubscribe) -n 2 $PROGRAM $scene.mci --photons 2000 --threads 1 \
@@ -121,7 +122,8 @@ for suite in bullseye bookworm trixie noble; do
     test $suite != bullseye || commands=$alone
     begin=$(date +%s)
     if as_user "$root" "$commands; RANKED='$ranked'; $fly; $ranks" >"$work/log" 2>&1; then
-        differ=$(others "$root/home/user/openmpi" $ranked; others "$root/home/user/mpich" $ranked; others "$root/home/user/flown" .)
+        differ=$(others "$root/home/user/openmpi" $ranked; others "$root/home/user/flown" .
+            test $suite = noble || others "$root/home/user/mpich" $ranked)
         test -z "$differ" && echo "$suite: installed and flown in $(($(date +%s) - begin)) s, $(find "$work/here" -name '*.mco' -o -name '*.h5' | wc -l) results as here" && continue
         echo "$suite: other results: $differ"
     else

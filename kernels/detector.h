@@ -45,7 +45,7 @@ CML_FN int cml_is_in_cone(const struct cml_detector *detector, const struct cml_
 }
 
 /* True if x, y (cm from the scene's origin) lie in an area. A border belongs to the area on its upper side,
- * so areas side by side hold everything, and nothing twice. */
+ * so areas side by side hold everything, and nothing twice. Disks and rings do not hold their outer rim. */
 CML_FN int cml_is_in_area(const struct cml_area *area, real x, real y)
 {
     const real dx = x - area->middle.x, dy = y - area->middle.y;

@@ -345,14 +345,16 @@ struct cml_tail {
     const float *response;                    /* [intervals][cells + 1][scores], each 0..1 */
 };
 /* Weight windows (P19): the weight that a packet shall have, by its depth in the scene and its distance
- * from a place. Cells of depth are equal and begin at depth 0; ring k lies between k^2 and (k + 1)^2 over
- * per_root^2 from the place. The first and last cell of depth and the last ring have no outer border. An
- * entry of the table is the lower end of the window for the least target weight W in its cell. */
+ * from the nearest place. Cells of depth are equal and begin at depth 0; ring k lies between k^2 and (k +
+ * 1)^2 over per_root^2 from the place. The first and last cell of depth and the last ring have no outer
+ * border. An entry of the table is the lower end of the window for the least target weight W in its cell. */
 struct cml_weight_windows {
-    int cells, rings;    /* cells of depth, 0: there are no windows; rings: 1 if only depth counts */
-    real per_bin;        /* cells in a bin of dz */
-    real x, y, per_root; /* the place, from the scene's origin; rings per square root of a cm */
-    const cml_u32 *low;  /* [rings][cells] lower end of the window, W / 3, in units of weight */
+    int cells, rings;   /* cells of depth, 0: there are no windows; rings: 1 if only depth counts */
+    int places;         /* 0 if only depth counts */
+    real per_bin;       /* cells in a bin of dz */
+    real per_root;      /* rings per square root of a cm */
+    const real *x, *y;  /* [places] from the scene's origin, cm */
+    const cml_u32 *low; /* [rings][cells] lower end of the window, W / 3, in units of weight */
 };
 #define CML_TAIL_UNIT ((real)0.015625) /* score units in one unit of weight: 2^-6, so that sums have room */
 #endif

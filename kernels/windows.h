@@ -32,16 +32,33 @@ CML_FN int cml_is_branch(cml_u64 index)
     return (int)(index >> 63);
 }
 
-/* Returns the cell of the window table for p, by its depth and its ring. p: in the frame of a medium that
- * begins in depth bin `bins`. */
-CML_FN int cml_window_cell(struct cml_weight_windows windows, real per_dz, struct cml_vec p, real bins)
+/* A square of distances, cm2, beyond all windows. */
+#define CML_FAR_FROM_WINDOWS ((real)1e30)
+
+/* Returns the smaller one of a square of a distance and that between x, y and place k of the windows, cm2. */
+CML_FN real cml_nearer(struct cml_weight_windows windows, int k, real x, real y, real square)
 {
-    const real at = CML_FMA(p.z, per_dz, bins) * windows.per_bin, last = (real)(windows.cells - 1),
-               x = p.x - windows.x, y = p.y - windows.y;
-    const real above = at > 0 ? at : (real)0,
-               out = CML_SQRT(CML_SQRT(CML_FMA(x, x, y * y))) * windows.per_root,
+    const real dx = x - windows.x[k], dy = y - windows.y[k], other = CML_FMA(dx, dx, dy * dy);
+    return other < square ? other : square;
+}
+
+/* Returns the cell of the window table at a depth and a ring. z: in the frame of a medium that begins in
+ * depth bin `bins`. square: of the distance from the nearest place. */
+CML_FN int cml_window_cell_of(struct cml_weight_windows windows, real per_dz, real z, real bins, real square)
+{
+    const real at = CML_FMA(z, per_dz, bins) * windows.per_bin, last = (real)(windows.cells - 1);
+    const real above = at > 0 ? at : (real)0, out = CML_SQRT(CML_SQRT(square)) * windows.per_root,
                outermost = (real)(windows.rings - 1);
     return (int)(out < outermost ? out : outermost) * windows.cells + (int)(above < last ? above : last);
+}
+
+/* Returns the cell of the window table for p, which lies in the frame of a medium that begins in depth bin
+ * `bins`. */
+CML_FN int cml_window_cell(struct cml_weight_windows windows, real per_dz, struct cml_vec p, real bins)
+{
+    real square = CML_FAR_FROM_WINDOWS;
+    for (int k = 0; k < windows.places; k++) square = cml_nearer(windows, k, p.x, p.y, square);
+    return cml_window_cell_of(windows, per_dz, p.z, bins, square);
 }
 
 /* True if a packet is heavier than 3 W, which is nine times the lower end `low` of its window. */

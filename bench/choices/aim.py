@@ -4,7 +4,8 @@
 Each scene is simulated N times with and without --aim Tt, in turns, on one thread, under a beam of 0.3 cm. In some scenes the top or an inner
 boundary is rough, and light goes down into flat layers. In others the bottom is rough, and packets are split on their way instead. Fibres far from
 a pencil are aimed at by name. A plain flight would see a packet or none in such a fibre. Its counted error is therefore that of the ring of equal
-width on which the fibre lies, reduced by the ratio of areas and by the share of light that its aperture accepts in an aimed flight.
+width on which the fibre lies, reduced by the ratio of areas and by the share of light that its aperture accepts in an aimed flight. The fibre
+lies on one place of the relief, the ring on many, so their light differs by a percent or two.
 
 The gain in time to equal error is the mean square of the counted errors over that of the expected ones (of counted ones, in windows), times the
 ratio of processor times. For rare light, the counted error comes from few packets, which makes its gain uncertain by some tens of percent. Through

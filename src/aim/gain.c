@@ -39,7 +39,8 @@ static double spread_of(const struct cml_detector_def *detector)
  * all directions, as scattered light does. On rough skin 1 to 1.15 times that share was counted. */
 double cml_accepted_by(const struct cml_scene *scene, const struct cml_detector_def *detector)
 {
-    const double n = scene->media[detector->below ? scene->num_layers + 1 : 0].n,
+    const double n = detector->contact ? scene->contacts[detector->contact - 1].n
+                                       : scene->media[detector->below ? scene->num_layers + 1 : 0].n,
                  sine = fmin(1, detector->na / n);
     return detector->aimed ? sine * sine * fmax(cos(detector->angle), sine / 5) : 1;
 }
@@ -47,16 +48,16 @@ double cml_accepted_by(const struct cml_scene *scene, const struct cml_detector_
 /* Returns the gain of windows for a detector: the time of plain packets over the time of packets with
  * windows, for the same error. A plain packet has the relative variance weight / (worth accepted), where
  * `weight` is the mean weight of packets that arrive, weighted by weight. With windows, a packet arrives in
- * about most / 3 parts, where `most` is the largest importance. The parts split late, so each enters the
- * aperture by its own luck. Their time grows with every decade of the worth. The numbers are fitted to six
- * fibres of 0.01 to 0.05 cm at 0.15 to 1 cm on rough skin, each without an aperture and with apertures of 0.5
- * and 0.22, within a factor of 1.8. With seven other fibres the formula was within a factor of 2.4. */
+ * about most parts, where `most` is the largest importance, and splits by the root of `accepted` before the
+ * aperture. The time grows with every decade of the worth and with these last parts. The numbers are fitted
+ * to sixteen detectors, within a factor of 2.4: the fibres of bench/choices/aim.py, ports of 0.01 and 0.03 cm
+ * at 0.02 to 0.3 cm, alone and six in a group, and rings of 0.2 cm with apertures down to 0.01. */
 double cml_gain_at(const struct cml_detector_def *detector, const struct cml_window_table *windows,
                    double weight, double most)
 {
-    const double plain = weight / (windows->worth * windows->accepted),
-                 aimed = (3.5 + 3 / windows->accepted) / most, longer = fmax(0.8, -log(windows->worth) / 6),
-                 gain = spread_of(detector) * plain / aimed / longer;
+    const double plain = weight / (windows->worth * windows->accepted), narrow = sqrt(windows->accepted),
+                 longer = fmax(0.8, -log(windows->worth) / 6) * (1 + 2 * most / narrow),
+                 gain = spread_of(detector) * plain * most * narrow / 2.4 / longer;
     if (windows->share < 1) return fmax(1, gain) / windows->share;
     return gain < 1 ? 0 : gain;
 }

@@ -1,9 +1,12 @@
 /* Runs of the C library, and their results as arrays. SPDX-License-Identifier: MIT */
 #include "api/api_parts.h"
 
-#include "cli/load/beam_notes.h"
-#include "cli/run/prepare.h"
+#include "flights/one_run.h"
+#include "flights/sweep.h"
+#include "flights/sweep_flights.h"
 #include "run/identity.h"
+#include "simulation/beam_notes.h"
+#include "simulation/simulation.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -16,19 +19,22 @@ struct item {
     double *value, *error;
 };
 
-struct clm_run {
-    struct cml_api_words words;
-    struct cml_options options;
-    struct cml_scene scene;
-    char *inputs; /* lines of the identity */
-    struct cml_prepared prepared;
+/* Whoever hears of a flight, and may cancel it. */
+struct listener {
     clm_progress *progress;
     void *context;
     struct cml_note_receiver notes;
     atomic_bool cancelled;
-    /* what has flown: zero photons before the first flight */
-    struct cml_run_result flown;
-    struct cml_report report;
+};
+
+struct clm_run {
+    struct listener listener;
+    struct cml_api_words words;
+    struct cml_options options;
+    struct cml_scene scene;
+    char *inputs; /* lines of the identity */
+    struct cml_simulation sim;
+    struct cml_report report; /* what has flown, and its arrays */
     struct cml_report_arrays arrays;
     struct item *item; /* [num_items] arrays, then axes */
     int num_items;
@@ -39,22 +45,22 @@ struct clm_run {
 
 static void on_progress(void *context, const struct cml_progress *now)
 {
-    struct clm_run *run = context;
-    if (run->progress && run->progress(run->context, now->done, now->total, now->seconds))
-        atomic_store(&run->cancelled, true);
+    struct listener *listener = context;
+    if (listener->progress && listener->progress(listener->context, now->done, now->total, now->seconds))
+        atomic_store(&listener->cancelled, true);
 }
 
 static bool is_cancelled(void *context)
 {
-    struct clm_run *run = context;
-    return atomic_load(&run->cancelled);
+    struct listener *listener = context;
+    return atomic_load(&listener->cancelled);
 }
 
 /* Any thread of a flight may have a note. */
 static void on_note(void *context, const char *text)
 {
-    const struct clm_run *run = context;
-    run->notes.to(run->notes.context, text);
+    const struct listener *listener = context;
+    if (listener->notes.to) listener->notes.to(listener->notes.context, text);
 }
 
 /* Makes the surfaces of a run, and shares those of runs before that have the same shapes. */
@@ -62,8 +68,8 @@ static cml_status prepare(struct clm_run *run, struct cml_surface_set *shared, s
 {
     struct cml_surface_options options = run->options.surface;
     struct cml_surface_set kept;
-    CML_TRY(cml_prepare(&run->options, shared->count > 0 ? shared : NULL, &run->prepared, err));
-    options.shared = &run->prepared.surfaces;
+    CML_TRY(cml_simulation_prepare(&run->sim, shared->count > 0 ? shared : NULL, err));
+    options.shared = &run->sim.surfaces;
     CML_TRY(cml_surfaces_create(&run->scene, &options, &kept, err));
     cml_surfaces_free(shared);
     *shared = kept;
@@ -73,22 +79,24 @@ static cml_status prepare(struct clm_run *run, struct cml_surface_set *shared, s
 static cml_status open_run(struct clm_scene *scene, int index, const char *const *options,
                            struct clm_run *run, struct cml_error *err)
 {
-    struct cml_run_setup *setup = &run->prepared.setup;
+    struct cml_run_setup *setup = &run->sim.setup;
     CML_TRY(cml_api_check_run(scene, index, err));
     CML_TRY(cml_api_parse(scene->list.scenes[index].file, &scene->words, options, false, &run->words,
                           &run->options, err));
     CML_TRY(cml_check_flight_options(&run->options, err));
+    CML_TRY(cml_sweep_check_options(&run->options, err));
     CML_TRY(cml_copy_scene(&run->options, cml_api_settings(scene, index), NULL, &scene->inputs,
                            &scene->list.scenes[index], &run->scene, err));
     CML_TRY(cml_check_differentiated(&run->options, &run->scene, err));
     CML_TRY(cml_identity_inputs(&scene->inputs, &run->inputs, err));
-    *setup = cml_setup_of(&run->options, &run->scene, run->options.engine_options.seed, (uint32_t)index);
+    cml_simulation_begin(&run->options, &run->scene, run->options.engine_options.seed, (uint32_t)index,
+                         &run->sim);
     setup->on_progress = on_progress;
     setup->cancelled = is_cancelled;
     setup->on_note = on_note;
-    setup->context = run;
+    setup->context = &run->listener;
     CML_TRY(prepare(run, &scene->surfaces[index], err));
-    return cml_note_beam(&run->scene, &run->prepared.surfaces, NULL, err);
+    return cml_note_beam(&run->scene, &run->sim.surfaces, NULL, err);
 }
 
 CML_API int clm_run_open(struct clm_scene *scene, int index, const char *const *options, struct clm_run **out)
@@ -105,8 +113,8 @@ CML_API int clm_run_open(struct clm_scene *scene, int index, const char *const *
 
 CML_API void clm_run_on_progress(struct clm_run *run, clm_progress *progress, void *context)
 {
-    run->progress = progress;
-    run->context = context;
+    run->listener.progress = progress;
+    run->listener.context = context;
 }
 
 /* ---- results ---- */
@@ -177,12 +185,10 @@ static cml_status list_items(struct clm_run *run, struct cml_error *err)
     return CML_OK;
 }
 
-/* Makes what callers see of the photons that have flown. */
+/* Makes what callers see of the run's report. */
 static cml_status view(struct clm_run *run, struct cml_error *err)
 {
     struct cml_record record = {0};
-    CML_TRY(cml_prepared_identify(&run->options, run->inputs, &run->prepared, err));
-    run->report = cml_prepared_report(&run->prepared, &run->flown, "");
     CML_TRY(cml_report_arrays(&run->report, &run->arrays, err));
     CML_TRY(list_items(run, err));
     const cml_status status = cml_report_record(&run->report, &record, err);
@@ -192,42 +198,18 @@ static cml_status view(struct clm_run *run, struct cml_error *err)
 
 /* ---- flight ---- */
 
-/* Adds the photons of a flight to those before. */
-static void add(struct clm_run *run, struct cml_run_result *flown)
-{
-    if (run->flown.result.photons > 0) {
-        cml_run_add(&flown->result, &run->flown.result);
-        flown->timing.seconds += run->flown.timing.seconds;
-        flown->timing.rank[0].elapsed += run->flown.timing.rank[0].elapsed;
-        flown->timing.rank[0].processor += run->flown.timing.rank[0].processor;
-    }
-    cml_run_result_free(&run->flown);
-    run->flown = *flown;
-}
-
 static cml_status fly(struct clm_run *run, uint64_t photons, struct cml_error *err)
 {
-    struct cml_run_setup *setup = &run->prepared.setup;
-    struct cml_run_result flown;
-    const uint64_t before = run->flown.result.photons;
-    if (setup->target_error > 0 ? photons > 0 || before > 0 : photons == 0 && before > 0)
-        return cml_fail(err, CML_E_INPUT, "%llu photons behind %llu (expected %s)",
-                        (unsigned long long)photons, (unsigned long long)before,
-                        setup->target_error > 0 ? "0, once, with target-error" : "1 or more");
-    if (photons > ((uint64_t)1 << 48) - before)
-        return cml_fail(err, CML_E_INPUT, "%llu photons behind %llu (expected at most 2^48 together)",
-                        (unsigned long long)photons, (unsigned long long)before);
-    run->notes = cml_api_notes;
-    atomic_store(&run->cancelled, false);
-    struct cml_run_setup slice = *setup;
-    slice.base = before;
-    if (photons > 0) slice.photons = before + photons;
-    CML_TRY(cml_run(&slice, &flown, err));
-    setup->photons = slice.photons;
+    if (!run->sim.options)
+        return cml_fail(err, CML_E_INPUT, "a row of a sweep (expected a run of clm_run_open)");
+    run->listener.notes = cml_notes;
+    atomic_store(&run->listener.cancelled, false);
+    CML_TRY(cml_simulation_fly(&run->sim, photons, err));
     clear_view(run);
-    add(run, &flown);
+    CML_TRY(cml_simulation_identify(&run->sim, run->inputs, err));
+    run->report = cml_simulation_report(&run->sim);
     CML_TRY(view(run, err));
-    return cml_run_verdict(&run->scene, &run->flown.result, err);
+    return cml_run_verdict(&run->scene, run->report.sums, err);
 }
 
 CML_API int clm_run_fly(struct clm_run *run, uint64_t photons)
@@ -240,8 +222,7 @@ CML_API void clm_run_free(struct clm_run *run)
 {
     if (!run) return;
     clear_view(run);
-    cml_run_result_free(&run->flown);
-    cml_prepared_clear(&run->prepared);
+    cml_simulation_clear(&run->sim);
     cml_scene_clear(&run->scene);
     free(run->inputs);
     cml_api_words_clear(&run->words);
@@ -285,6 +266,8 @@ static cml_status show(struct item *item, struct clm_array *array, struct cml_er
 CML_API int clm_run_item(struct clm_run *run, int i, struct clm_array *array)
 {
     if (i >= 0 && i < run->num_items) return show(&run->item[i], array, &cml_api_error);
+    if (run->num_items == 0)
+        return cml_fail(&cml_api_error, CML_E_INPUT, "array %d (expected a flight before)", i);
     return cml_fail(&cml_api_error, CML_E_INPUT, "array %d (expected 0 to %d)", i, run->num_items - 1);
 }
 
@@ -315,10 +298,72 @@ CML_API const char *clm_run_json(const struct clm_run *run)
 CML_API int clm_run_write(struct clm_run *run, const char *path)
 {
     CML_API_CALL();
-    if (run->flown.result.photons == 0)
+    if (run->num_items == 0)
         return cml_fail(&cml_api_error, CML_E_INPUT, "%s (expected a flight before)", path);
-    struct cml_report report = cml_prepared_report(&run->prepared, &run->flown, "");
+    struct cml_report report = run->report; /* whose outcome is made anew */
     const cml_status status = cml_report_write(&report, path, &cml_api_error);
     cml_report_clear(&report);
+    return status;
+}
+
+/* ---- sweeps ---- */
+
+struct sweep {
+    struct listener listener; /* first: the address of a sweep is that of its listener */
+    clm_row *row;
+};
+
+/* Shows the caller a row. */
+static cml_status take(void *context, struct cml_report *report, struct cml_error *err)
+{
+    struct sweep *sweep = context;
+    struct clm_run run = {.report = *report};
+    cml_status status = view(&run, err);
+    if (status == CML_OK && sweep->row(sweep->listener.context, report->row - 1, &run))
+        status = cml_fail(err, CML_E_STOPPED, "cancelled in row %d", report->row);
+    *report = run.report;
+    run.report = (struct cml_report){0};
+    clear_view(&run);
+    return status;
+}
+
+/* The name of the table in messages. */
+#define TABLE "the table"
+
+static cml_status fly_sweep(struct clm_scene *scene, const struct cml_options *given, const char *table,
+                            struct sweep *sweep, struct cml_error *err)
+{
+    const struct cml_receiver receiver = {take, on_progress, is_cancelled, on_note, sweep};
+    struct cml_options options = *given;
+    options.settings = *cml_api_settings(scene, 0);
+    options.receiver = &receiver;
+    options.sweep = TABLE;
+    options.checkpoint_interval = 0;
+    options.quiet = true;
+    options.command[0] = '\0';
+    CML_TRY(cml_check_flight_options(&options, err));
+    CML_TRY(cml_sweep_check_options(&options, err));
+    struct cml_inputs inputs = {scene->inputs.count + 1,
+                                calloc(scene->inputs.count + 1, sizeof *inputs.item)};
+    if (!inputs.item) return cml_fail_memory(err, (double)inputs.count * sizeof *inputs.item, "input files");
+    memcpy(inputs.item, scene->inputs.item, scene->inputs.count * sizeof *inputs.item);
+    inputs.item[scene->inputs.count] =
+        (struct cml_input){(char[]){TABLE}, (char *)(uintptr_t)table, strlen(table)};
+    const cml_status status = cml_sweep(&options, &scene->list, &inputs, err);
+    free(inputs.item);
+    return status;
+}
+
+CML_API int clm_scene_sweep(struct clm_scene *scene, const char *const *options, const char *table,
+                            clm_progress *progress, clm_row *row, void *context)
+{
+    CML_API_CALL();
+    struct sweep sweep = {{progress, context, cml_notes, false}, row};
+    struct cml_api_words words;
+    struct cml_options parsed;
+    cml_status status = cml_api_parse(scene->list.scenes[0].file, &scene->words, options, false, &words,
+                                      &parsed, &cml_api_error);
+    if (status == CML_OK) status = fly_sweep(scene, &parsed, table, &sweep, &cml_api_error);
+    cml_api_words_clear(&words);
     return status;
 }

@@ -3,21 +3,16 @@
 
 #include "base/text.h"
 #include "base/version.h"
-#include "cli/options/options_parse.h"
+#include "options/option_read.h"
+#include "options/option_table.h"
+#include "simulation/check.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static void ignore_note(void *context, const char *text)
-{
-    (void)context;
-    (void)text;
-}
-
 _Thread_local struct cml_error cml_api_error;
-_Thread_local struct cml_note_receiver cml_api_notes = {ignore_note, NULL};
 
 CML_API int clm_api(void)
 {
@@ -38,86 +33,63 @@ CML_API const char *clm_error(void)
 
 CML_API void clm_on_note(clm_note *note, void *context)
 {
-    cml_api_notes = (struct cml_note_receiver){note ? note : ignore_note, context};
+    cml_notes = (struct cml_note_receiver){note, context};
 }
 
 /* ---- calls ---- */
 
 /* glibc makes the "C" locale without memory, so that none is freed. */
-struct cml_api_call cml_api_enter(void)
+locale_t cml_api_enter(void)
 {
-    return (struct cml_api_call){uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0)),
-                                 cml_notes_go_to(cml_api_notes)};
+    return uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));
 }
 
-void cml_api_leave(struct cml_api_call *call)
+void cml_api_leave(locale_t *before)
 {
-    uselocale(call->locale);
-    cml_notes_go_to(call->notes);
+    uselocale(*before);
 }
 
 /* ---- options ---- */
 
-/* Options that the library takes. reads: it decides how files are read. */
-static const struct {
-    const char *name;
-    bool reads;
-} known[] = {{"photons", false},      {"set", true},
-             {"derivatives", false},  {"seed", false},
-             {"target-error", false}, {"error-of", false},
-             {"sampling", false},     {"roulette", false},
-             {"aim", false},          {"ignore-absorption", false},
-             {"no-reentry", false},   {"ignore-heightfields", true},
-             {"boundaries", true},    {"tolerance", true},
-             {"mesh-budget", true},   {"normals", true},
-             {"rings", true},         {"mesh-search", true},
-             {"engine", false},       {"threads", false},
-             {"chunk", false},        {"device", false},
-             {"group", false},        {"build-options", false}};
-
-static cml_status check_known(const char *option, bool reads, struct cml_error *err)
+/* Refuses options that are not the library's. */
+static cml_status check_known(const char *word, bool reads, struct cml_error *err)
 {
-    const size_t length = strcspn(option, "=");
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        if (strlen(known[i].name) != length || strncmp(option, known[i].name, length) != 0) continue;
-        if (reads || !known[i].reads) return CML_OK;
+    const struct cml_option *option = cml_option_find(word, strcspn(word, "="));
+    const unsigned taken = option ? option->commands & (CML_OPTION_OF_FLIGHT | CML_OPTION_OF_READING) : 0;
+    if (!taken)
+        return cml_fail(err, CML_E_INPUT, "%s (expected an option of a run that needs no files)", word);
+    if (!reads && taken == CML_OPTION_OF_READING)
         return cml_fail(err, CML_E_INPUT, "%s (expected among the options with which the scene is read)",
-                        option);
-    }
-    return cml_fail(err, CML_E_INPUT, "%s (expected an option of a run that needs no files)", option);
-}
-
-static cml_status add_word(struct cml_api_words *words, const char *dashes, const char *text,
-                           struct cml_error *err)
-{
-    CML_TRY(cml_text_format(&words->word[words->count], "an option", err, "%s%s", dashes, text));
-    words->count++;
+                        word);
     return CML_OK;
 }
 
-enum { FIRST_OPTION = 3 }; /* behind "clustermcml run SCENE" */
+static cml_status add_word(struct cml_api_words *words, const char *prefix, const char *text,
+                           struct cml_error *err)
+{
+    CML_TRY(cml_text_format(&words->word[words->count], "an option", err, "%s%s", prefix, text));
+    words->count++;
+    return CML_OK;
+}
 
 cml_status cml_api_parse(const char *path, const struct cml_api_words *before, const char *const *options,
                          bool reads, struct cml_api_words *words, struct cml_options *parsed,
                          struct cml_error *err)
 {
-    int count = 0;
-    while (options && options[count]) count++;
-    const int kept = before ? before->count - FIRST_OPTION : 0;
-    *words =
-        (struct cml_api_words){.word = calloc((size_t)(FIRST_OPTION + kept + count) + 1, sizeof(char *))};
+    int count = before ? before->count : 1;
+    for (int i = 0; options && options[i]; i++) count++;
+    *words = (struct cml_api_words){.word = calloc((size_t)count + 1, sizeof(char *))};
     if (!words->word) return cml_fail_memory(err, 8.0 * count, "options");
-    CML_TRY(add_word(words, "", "clustermcml", err));
-    CML_TRY(add_word(words, "", "run", err));
     CML_TRY(add_word(words, path[0] == '-' ? "./" : "", path, err));
-    for (int i = 0; i < kept; i++) CML_TRY(add_word(words, "", before->word[FIRST_OPTION + i], err));
-    for (int i = 0; i < count; i++) {
-        CML_TRY(check_known(options[i], reads, err));
-        CML_TRY(add_word(words, "--", options[i], err));
+    for (int i = 1; before && i < before->count; i++) CML_TRY(add_word(words, "", before->word[i], err));
+    for (; options && *options; options++) {
+        CML_TRY(check_known(*options, reads, err));
+        CML_TRY(add_word(words, "", *options, err));
     }
-    CML_TRY(cml_options_parse(words->count, words->word, parsed, err));
+    cml_options_default(parsed);
+    parsed->operands = words->word;
     parsed->engine_options.on_note = cml_show_note;
-    return CML_OK;
+    return cml_options_read((const char *const *)words->word + 1, parsed, err);
 }
 
 void cml_api_words_clear(struct cml_api_words *words)
@@ -248,19 +220,26 @@ CML_API int clm_scene_set_number(struct clm_scene *scene, int run, const char *n
 
 static cml_status load(struct clm_scene *scene, struct cml_error *err)
 {
-    CML_TRY(cml_load_scenes_as_run(&scene->options, &scene->list, &scene->inputs, err));
+    const struct cml_text_source record = cml_inputs_recorder(&scene->inputs);
+    CML_TRY(cml_load_scenes(&scene->options, &record, &scene->list, err));
     scene->settings = calloc((size_t)scene->list.count, sizeof *scene->settings);
     scene->surfaces = calloc((size_t)scene->list.count, sizeof *scene->surfaces);
     return scene->settings && scene->surfaces ? CML_OK : cml_fail_memory(err, scene->list.count, "runs");
 }
 
-/* Reads the scene `path`; text: what the file would hold; NULL: it is read. */
-static cml_status open_scene(const char *path, const char *text, const char *const *options,
-                             struct clm_scene **out, struct cml_error *err)
+/* Reads a scene. ready: its options; NULL: they are path and options. text: what the file would hold; NULL:
+ * it is read. */
+static cml_status open_scene(const struct cml_options *ready, const char *path, const char *text,
+                             const char *const *options, struct clm_scene **out, struct cml_error *err)
 {
+    cml_status status = CML_OK;
     struct clm_scene *scene = *out = calloc(1, sizeof *scene);
     if (!scene) return cml_fail_memory(err, sizeof *scene, "a scene");
-    cml_status status = cml_api_parse(path, NULL, options, true, &scene->words, &scene->options, err);
+    if (ready)
+        scene->options = *ready;
+    else
+        status = cml_api_parse(path, NULL, options, true, &scene->words, &scene->options, err);
+    scene->flown = scene->options.engine_options;
     if (status == CML_OK && text) status = cml_inputs_add(&scene->inputs, path, text, strlen(text), err);
     if (status == CML_OK) status = load(scene, err);
     if (status == CML_OK) return CML_OK;
@@ -269,10 +248,15 @@ static cml_status open_scene(const char *path, const char *text, const char *con
     return status;
 }
 
+cml_status cml_api_open(const struct cml_options *options, struct clm_scene **scene, struct cml_error *err)
+{
+    return open_scene(options, NULL, NULL, NULL, scene, err);
+}
+
 CML_API int clm_scene_open(const char *path, const char *const *options, struct clm_scene **scene)
 {
     CML_API_CALL();
-    return open_scene(path, NULL, options, scene, &cml_api_error);
+    return open_scene(NULL, path, NULL, options, scene, &cml_api_error);
 }
 
 CML_API int clm_scene_parse(const char *text, const char *beside, const char *const *options,
@@ -283,7 +267,7 @@ CML_API int clm_scene_parse(const char *text, const char *beside, const char *co
     *scene = NULL;
     CML_TRY(cml_text_format(&path, "a path", &cml_api_error, "%s%sscene.mci", beside ? beside : "",
                             beside ? "/" : ""));
-    return open_scene(path, text, options, scene, &cml_api_error);
+    return open_scene(NULL, path, text, options, scene, &cml_api_error);
 }
 
 CML_API void clm_scene_free(struct clm_scene *scene)
@@ -298,10 +282,72 @@ CML_API void clm_scene_free(struct clm_scene *scene)
     cml_scene_list_clear(&scene->list);
     cml_inputs_clear(&scene->inputs);
     cml_api_words_clear(&scene->words);
+    free(scene->text);
     free(scene);
+}
+
+void cml_api_close(struct clm_scene **scene)
+{
+    clm_scene_free(*scene);
+}
+
+cml_status cml_api_take(int status, struct cml_error *err)
+{
+    if (status != CLM_OK) *err = cml_api_error;
+    return (cml_status)status;
 }
 
 CML_API int clm_scene_runs(const struct clm_scene *scene)
 {
     return scene->list.count;
+}
+
+/* ---- a scene without a flight ---- */
+
+/* Prints the exact totals of a run with planes in place of its shapes. */
+static cml_status solve(FILE *stream, const struct cml_options *options, const struct cml_scene *scene,
+                        struct cml_error *err)
+{
+    /* about a second of walks at each rough boundary gives errors of some 1e-4 */
+    const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = 1e11, .walks = 524288};
+    CML_AT_END(cml_exact_clear) struct cml_exact exact = {0};
+    CML_TRY(cml_exact_scene(scene, NULL, &aim, &exact, err));
+    if (options->json) return cml_report_exact_json(stream, scene, &exact, err);
+    cml_report_exact(stream, scene, &exact);
+    return CML_OK;
+}
+
+/* Makes the text of a run. On failure *text is what was printed before. */
+static cml_status tell(struct clm_scene *scene, int run, bool exact, int json, const char **text,
+                       struct cml_error *err)
+{
+    size_t size;
+    struct cml_options options = scene->options, flown;
+    *text = "";
+    CML_TRY(cml_api_check_run(scene, run, err));
+    free(scene->text);
+    scene->text = NULL;
+    FILE *stream = open_memstream(&scene->text, &size);
+    if (!stream) return cml_fail_memory(err, 1, "a text");
+    options.json = json;
+    flown = options;
+    flown.engine_options = scene->flown;
+    const struct cml_scene *one = &scene->list.scenes[run];
+    const cml_status status = exact ? solve(stream, &options, one, err)
+                                    : cml_check_scene(stream, &options, &flown, one, &scene->sweep, err);
+    if (fclose(stream) != 0) return cml_fail_memory(err, 1, "a text");
+    *text = scene->text;
+    return status;
+}
+
+CML_API int clm_scene_check(struct clm_scene *scene, int run, int json, const char **text)
+{
+    CML_API_CALL();
+    return tell(scene, run, false, json, text, &cml_api_error);
+}
+
+CML_API int clm_scene_exact(struct clm_scene *scene, int run, int json, const char **text)
+{
+    CML_API_CALL();
+    return tell(scene, run, true, json, text, &cml_api_error);
 }

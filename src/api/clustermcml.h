@@ -17,7 +17,7 @@
  *
  * Options are those of `clustermcml run`, without dashes, in an array that NULL ends:
  * {"photons=1e6", "seed=7", "threads=2", "ignore-absorption", NULL}. NULL: none. Options about files,
- * checkpoints, sweeps and ranks belong to the program alone.
+ * checkpoints and ranks belong to the program alone.
  *
  * Strings are UTF-8. Lengths are cm, coefficients 1/cm, times ps, as in scene files.
  * SPDX-License-Identifier: MIT */
@@ -36,10 +36,10 @@ extern "C" {
 /* The numbers are the exit codes of the command line. */
 enum clm_status {
     CLM_OK = 0,
-    CLM_E_INPUT = 2,    /* the scene, an option or a name is wrong, or memory does not suffice */
+    CLM_E_INPUT = 2,    /* the scene, a file, an option or a name is wrong, or memory does not suffice */
     CLM_E_DEVICE = 3,   /* no such device, or the device refused */
     CLM_E_NUMERIC = 4,  /* the run ended and its result can be read, but cannot be trusted */
-    CLM_E_IO = 5,       /* a file could not be read or written */
+    CLM_E_IO = 5,       /* a file could not be written */
     CLM_E_STOPPED = 75, /* the progress function has cancelled the flight */
 };
 
@@ -76,6 +76,12 @@ int clm_scene_set_number(struct clm_scene *scene, int run, const char *name, dou
  */
 int clm_scene_set_numbers(struct clm_scene *scene, int run, int count, const char *const *name,
                           const double *value);
+
+/* The text that the program prints on a run without flying it, or with json as one line. clm_scene_check: the
+ * text of `check`. clm_scene_exact: totals by adding-doubling, with planes in place of all shapes. The text
+ * is valid until the next such call, or until the scene is freed. */
+int clm_scene_check(struct clm_scene *scene, int run, int json, const char **text);
+int clm_scene_exact(struct clm_scene *scene, int run, int json, const char **text);
 
 /* ---- runs ---- */
 
@@ -130,6 +136,19 @@ const char *clm_run_json(const struct clm_run *run);
 
 /* Writes the files that `run --output path` writes. */
 int clm_run_write(struct clm_run *run, const char *path);
+
+/* ---- sweeps ---- */
+
+/* Called with each row of a sweep, from 0, when it has flown: a run whose results can be read during the
+ * call. Returns 0 to go on; else the sweep is cancelled. */
+typedef int clm_row(void *context, int row, struct clm_run *run);
+
+/* Flies a scene with one run once for each row of a table, whose text is that of a file of `--sweep`:
+ * "layer1.mua,seed\n0.1,1\n0.2,2\n". All rows are checked before the first one flies. With the option
+ * "reweight" rows that differ in mua alone share a flight. progress hears of each flight, NULL: none; it and
+ * `row` get the same context. */
+int clm_scene_sweep(struct clm_scene *scene, const char *const *options, const char *table,
+                    clm_progress *progress, clm_row *row, void *context);
 
 #ifdef __cplusplus
 }

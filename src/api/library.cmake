@@ -1,16 +1,16 @@
-# libclustermcml, shared and static, from the objects of the program. It has one rank, whatever MPI the program has: the linker
-# takes nothing from the archive that cluster_load.c defines. SPDX-License-Identifier: MIT
+# libclustermcml, shared and static. It has one rank, whatever MPI the program has: the linker takes nothing from the archive
+# that cluster_load.c defines. SPDX-License-Identifier: MIT
 set(here ${CMAKE_CURRENT_LIST_DIR})
 file(STRINGS ${here}/clustermcml.h CML_API REGEX "#define CLM_API ")
 string(REGEX REPLACE ".* " "" CML_API ${CML_API})
 
-add_library(cml_api OBJECT ${here}/api_scene.c ${here}/api_run.c src/run/cluster/cluster_load.c src/run/cluster/cluster_single.c)
-target_compile_definitions(cml_api PRIVATE ${CML_BUILD})
-set_target_properties(cml_api PROPERTIES POSITION_INDEPENDENT_CODE ON)
-target_link_libraries(cml_api PRIVATE cml_options)
-target_include_directories(cml_api PUBLIC $<BUILD_INTERFACE:${here}>)
+add_library(cml_single OBJECT src/run/cluster/cluster_load.c src/run/cluster/cluster_single.c)
+target_compile_definitions(cml_single PRIVATE ${CML_BUILD})
+set_target_properties(cml_single PROPERTIES POSITION_INDEPENDENT_CODE ON)
+target_link_libraries(cml_single PRIVATE cml_options)
+set(CML_LIBRARY $<TARGET_OBJECTS:cml_api> $<TARGET_OBJECTS:cml_single>)
 
-add_library(clustermcml_shared SHARED $<TARGET_OBJECTS:cml_api>)
+add_library(clustermcml_shared SHARED ${CML_LIBRARY})
 set_target_properties(clustermcml_shared PROPERTIES OUTPUT_NAME clustermcml EXPORT_NAME clustermcml
     VERSION ${CML_API} SOVERSION ${CML_API} LINKER_LANGUAGE CXX LINK_DEPENDS ${here}/exports.map)
 target_include_directories(clustermcml_shared INTERFACE $<BUILD_INTERFACE:${here}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
@@ -20,8 +20,8 @@ target_link_options(clustermcml_shared PRIVATE LINKER:--version-script=${here}/e
 # The static library is one object, whose other symbols are local.
 set(archive ${CMAKE_CURRENT_BINARY_DIR}/libclustermcml.a)
 set(object ${CMAKE_CURRENT_BINARY_DIR}/libclustermcml.o)
-add_custom_command(OUTPUT ${archive} DEPENDS cml cml_api $<TARGET_OBJECTS:cml_api> COMMAND_EXPAND_LISTS VERBATIM
-    COMMAND ${CMAKE_C_COMPILER} -r -nostdlib -o ${object} $<TARGET_OBJECTS:cml_api> $<TARGET_FILE:cml>
+add_custom_command(OUTPUT ${archive} DEPENDS cml ${CML_LIBRARY} COMMAND_EXPAND_LISTS VERBATIM
+    COMMAND ${CMAKE_C_COMPILER} -r -nostdlib -o ${object} ${CML_LIBRARY} $<TARGET_FILE:cml>
     COMMAND ${CMAKE_OBJCOPY} --wildcard --keep-global-symbol=clm_* ${object}
     COMMAND ${CMAKE_COMMAND} -E rm -f ${archive}
     COMMAND ${CMAKE_AR} rcs ${archive} ${object})

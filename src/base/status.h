@@ -35,7 +35,7 @@ struct cml_error {
 /* Declares that a local variable owns a resource. At the end of the variable's scope, on every way out,
  * CML_FREED frees the resource and CML_AT_END calls `end` with the variable's address. The variable must be
  * initialised where it is declared, empty or with its resource. */
-#define CML_AT_END(end) __attribute__((cleanup(end)))
+#define CML_AT_END(end) __attribute__((cleanup(end), unused))
 #define CML_FREED CML_AT_END(cml_free_owned)
 
 /* Frees the memory to which the pointer at `variable` points (CML_FREED). */

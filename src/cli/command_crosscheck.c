@@ -247,7 +247,7 @@ cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_
     CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
     if (cml_cluster_size() > 1)
         return cml_fail(err, CML_E_INPUT, "crosscheck: %d ranks (expected one process)", cml_cluster_size());
-    CML_TRY(cml_load_scenes(options, &list, err));
+    CML_TRY(cml_load_scenes(options, NULL, &list, err));
     if (options->dump && list.count > 1)
         return cml_fail(err, CML_E_INPUT, "crosscheck: %s has %d runs (expected one with --dump)",
                         options->operands[0], list.count);

@@ -19,6 +19,7 @@
 #include "base/version.h"
 #include "run/cluster/cluster.h"
 #include "scene/body/body_shape.h"
+#include "simulation/simulation.h"
 #include "surface/mean_depth.h"
 
 #include <jansson.h>
@@ -356,44 +357,37 @@ static cml_status name_places(struct furnace *f, struct cml_error *err)
 
 /* Makes the furnace of a scene: its diffuse light, the names of its layers and bodies, its surfaces, and the
  * volumes from which the expected light follows. */
-static cml_status prepare(const struct cml_options *options, const struct cml_scene *scene, struct furnace *f,
-                          struct cml_surface_set *surfaces, struct cml_error *err)
+static cml_status prepare(const struct cml_scene *scene, struct furnace *f, struct cml_simulation *sim,
+                          struct cml_error *err)
 {
     CML_TRY(light_scene(scene, f, err));
     CML_TRY(name_places(f, err));
-    CML_TRY(cml_choose_surfaces(options, &f->scene, surfaces, err));
-    CML_TRY(find_volumes(f, surfaces, &options->surface, err));
-    return cml_check_memory(options, &f->scene, surfaces, err);
+    CML_TRY(cml_simulation_prepare(sim, NULL, err));
+    return find_volumes(f, &sim->surfaces, &sim->options->surface, err);
 }
 
 /* Flies the photons of a furnace, then judges on rank 0 whether its light is even, and prints the report. */
-static cml_status fly(const struct cml_options *options, struct furnace *f, const struct cml_run_setup *setup,
-                      struct cml_error *err)
+static cml_status fly(struct furnace *f, struct cml_simulation *sim, struct cml_error *err)
 {
-    struct cml_run_result run = {0};
-    cml_status status = cml_run(setup, &run, err);
+    const cml_status status = cml_simulation_fly(sim, 0, err);
     if (status != CML_OK || cml_cluster_rank() != 0) return status;
-    status = cml_run_verdict(setup->scene, &run.result, err);
-    if (status == CML_OK) judge_all(f, &run.result);
-    cml_run_result_free(&run);
-    return status == CML_OK ? publish(options, f, setup->photons, err) : status;
+    CML_TRY(cml_run_verdict(&f->scene, &sim->flown.result, err));
+    judge_all(f, &sim->flown.result);
+    return publish(sim->options, f, sim->setup.photons, err);
 }
 
 /* Tests one scene: fills it with diffuse light and compares the light in each place with theory. */
 static cml_status furnace_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
                                 struct cml_error *err)
 {
-    struct cml_surface_set surfaces = {0};
     struct furnace f = {0};
-    struct cml_run_setup setup = {.scene = &f.scene,
-                                  .surfaces = &surfaces,
-                                  .engine = options->engine,
-                                  .options = options->engine_options,
-                                  .photons = options->photons ? options->photons : scene->photons};
-    setup.options.run = (uint32_t)index;
-    cml_status status = cml_cluster_agree(prepare(options, scene, &f, &surfaces, err), err);
-    if (status == CML_OK) status = fly(options, &f, &setup, err);
-    cml_surfaces_free(&surfaces);
+    struct cml_simulation sim;
+    cml_simulation_begin(options, scene, options->engine_options.seed, (uint32_t)index, &sim);
+    sim.setup.scene = &f.scene;
+    sim.setup.on_note = NULL;
+    cml_status status = cml_cluster_agree(prepare(scene, &f, &sim, err), err);
+    if (status == CML_OK) status = fly(&f, &sim, err);
+    cml_simulation_clear(&sim);
     free(f.scene.media);
     free(f.place);
     return cml_cluster_agree(status, err);

@@ -3,6 +3,7 @@
 #include "cli/command.h"
 
 #include "base/atomic_file.h"
+#include "flights/before.h"
 #include "input/mesh/gsf.h"
 #include "input/mesh/obj.h"
 #include "scene/body/body_shape.h"
@@ -79,7 +80,7 @@ static cml_status write_scene(const struct cml_options *options, const struct cm
 cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err)
 {
     CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
-    CML_TRY(cml_load_scenes(options, &list, err));
+    CML_TRY(cml_load_scenes(options, NULL, &list, err));
     if (options->directory) CML_TRY(cml_folder_make(options->directory, err));
     for (int i = 0; i < list.count; i++) CML_TRY(write_scene(options, &list.scenes[i], err));
     return CML_OK;

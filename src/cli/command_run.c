@@ -3,17 +3,16 @@
 
 #include "base/text.h"
 #include "base/version.h"
-#include "cli/load/beam_notes.h"
-#include "cli/run/aim.h"
-#include "cli/run/one_run.h"
-#include "cli/run/outputs.h"
-#include "cli/run/prepare.h"
-#include "cli/run/sweep.h"
-#include "cli/run/sweep_flights.h"
+#include "flights/one_run.h"
+#include "flights/outputs.h"
+#include "flights/sweep.h"
+#include "flights/sweep_flights.h"
 #include "run/cluster/cluster.h"
 #include "run/identity.h"
 #include "run/join.h"
 #include "run/stop.h"
+#include "simulation/beam_notes.h"
+#include "simulation/simulation.h"
 
 #include <inttypes.h>
 #include <limits.h>
@@ -24,7 +23,7 @@
 /* State shared by all runs of one call. */
 struct session {
     const struct cml_options *options;
-    struct cml_scene_list list;
+    const struct cml_scene_list *list;
     char *inputs;               /* lines of the identity for the input files */
     struct cml_outputs outputs; /* claimed files of all runs, on rank 0 only */
 };
@@ -34,7 +33,7 @@ struct session {
  * the same faults before its first photon. */
 static cml_status check_runs(struct session *session, const struct cml_inputs *inputs, struct cml_error *err)
 {
-    const struct cml_scene_list *list = &session->list;
+    const struct cml_scene_list *list = session->list;
     cml_status status = CML_OK;
     for (int i = 0; status == CML_OK && i < list->count; i++)
         status = cml_check_memory(session->options, &list->scenes[i], NULL, err);
@@ -54,9 +53,9 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
 static void remove_checkpoints(const struct session *session)
 {
     struct cml_error ignored;
-    for (int i = 0; cml_cluster_rank() == 0 && i < session->list.count; i++) {
+    for (int i = 0; cml_cluster_rank() == 0 && i < session->list->count; i++) {
         char *path = NULL;
-        if (cml_run_checkpoint(session->options, &session->list.scenes[i], &path, &ignored) == CML_OK)
+        if (cml_run_checkpoint(session->options, &session->list->scenes[i], &path, &ignored) == CML_OK)
             cml_checkpoint_remove(path);
         free(path);
     }
@@ -67,13 +66,13 @@ static cml_status run_scene(const struct session *session, int index, struct cml
 {
     const struct cml_options *options = session->options;
     const struct cml_run_call call = {.options = options,
-                                      .scene = &session->list.scenes[index],
+                                      .scene = &session->list->scenes[index],
                                       .inputs = session->inputs,
                                       .seed = options->engine_options.seed,
                                       .run = (uint32_t)index,
-                                      .only = session->list.count == 1,
+                                      .only = session->list->count == 1,
                                       .stays = cml_run_leaves_checkpoints(options) ||
-                                               index + 1 < session->list.count};
+                                               index + 1 < session->list->count};
     struct cml_record record;
     const cml_status status = cml_run_one(&call, &record, err);
     if (record.json && options->json) fputs(record.json, stdout);
@@ -88,9 +87,9 @@ static cml_status look_at_parts(const struct session *session, struct cml_error 
 {
     struct cml_part_files *files = session->options->joined;
     cml_status status = CML_OK;
-    if (!files || session->list.count == 1) return CML_OK;
+    if (!files || session->list->count == 1) return CML_OK;
     files->looking = true;
-    for (int i = 0; status == CML_OK && i < session->list.count; i++) status = run_scene(session, i, err);
+    for (int i = 0; status == CML_OK && i < session->list->count; i++) status = run_scene(session, i, err);
     return cml_part_files_looked(files, status, err);
 }
 
@@ -102,7 +101,7 @@ static cml_status run_all(const struct session *session, struct cml_error *err)
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
         printf("clustermcml %s, %d rank%s\n", cml_version(), cml_cluster_size(),
                cml_cluster_size() == 1 ? "" : "s");
-    for (int i = 0; i < session->list.count; i++) CML_TRY(run_scene(session, i, err));
+    for (int i = 0; i < session->list->count; i++) CML_TRY(run_scene(session, i, err));
     if (options->checkpoint_interval > 0 && !cml_run_leaves_checkpoints(options)) remove_checkpoints(session);
     return CML_OK;
 }
@@ -219,21 +218,15 @@ static cml_status run_file(struct session *session, struct cml_inputs *inputs, s
 cml_status cml_command_run(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_options mine = *options;
-    struct session session = {.options = &mine};
-    struct cml_inputs inputs;
+    CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
+    CML_AT_END(cml_inputs_clear) struct cml_inputs inputs = {0};
+    struct session session = {.options = &mine, .list = &list};
     CML_TRY(cml_cluster_agree(check_options(&mine, err), err));
     CML_TRY(check_same(&mine, err));
     if (options->checkpoint_interval > 0) cml_stop_before_flight();
     mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
-    CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
-    cml_status status = CML_OK;
-    for (int i = 0; status == CML_OK && i < session.list.count; i++)
-        status = cml_check_differentiated(&mine, &session.list.scenes[i], err);
-    if (status == CML_OK)
-        status =
-            options->sweep ? cml_sweep(&mine, &session.list, &inputs, err) : run_file(&session, &inputs, err);
-    cml_inputs_clear(&inputs);
-    cml_scene_list_clear(&session.list);
-    return status;
+    CML_TRY(cml_load_shared_scenes(options, &list, &inputs, err));
+    for (int i = 0; i < list.count; i++) CML_TRY(cml_check_differentiated(&mine, &list.scenes[i], err));
+    return options->sweep ? cml_sweep(&mine, &list, &inputs, err) : run_file(&session, &inputs, err);
 }

@@ -120,7 +120,7 @@ cml_status cml_command_trace(const struct cml_options *options, struct cml_error
         return cml_fail(err, CML_E_INPUT, "trace: photon %s (expected an index from 0)",
                         options->operands[1]);
     CML_AT_END(cml_scene_list_clear) struct cml_scene_list list = {0};
-    CML_TRY(cml_load_scenes(options, &list, err));
+    CML_TRY(cml_load_scenes(options, NULL, &list, err));
     if (options->run > (uint64_t)list.count)
         return cml_fail(err, CML_E_INPUT, "--run %llu (expected 1 to %d, the runs of %s)",
                         (unsigned long long)options->run, list.count, options->operands[0]);

@@ -62,8 +62,6 @@ static cml_status set_environment(struct cml_error *err)
     return failed ? cml_fail_memory(err, sizeof all, "the environment") : CML_OK;
 }
 
-/* Hands a command that only the Python package has over to Python: `-c start` and the user's words. Returns
- * only if Python cannot be started. */
 cml_status cml_hand_over(int argc, char **argv, struct cml_error *err)
 {
     const char *named = getenv("CLUSTERMCML_PYTHON"), *python = named && *named ? named : "python3";

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "run/cluster/cluster.h"
 
+#include "api/clustermcml.h"
 #include "base/print_line.h"
 #include "base/version.h"
 #include "cli/command.h"
@@ -14,6 +15,7 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 cml_status cml_command_help(const struct cml_options *options, struct cml_error *err)
@@ -42,8 +44,27 @@ static cml_status answer(const struct cml_options *options, struct cml_error *er
         return first || commands[options->which].parallel ? commands[options->which].run(options, err)
                                                           : CML_OK;
     if (first && options->help) return cml_help_print(stdout, topic, err);
-    if (first) printf("clustermcml %s\n%s\n", cml_version(), cml_version_parts());
+    if (first) printf("clustermcml %s\n%s\n", clm_version(), cml_version_parts());
     return CML_OK;
+}
+
+/* Shows that a large mesh is being made: on a terminal at once; in a log only if the wait is as long as that
+ * for the first line of progress. Only rank 0 shows it. */
+static void show_large_mesh(void *context, const char *text, double seconds)
+{
+    const struct cml_options *options = context;
+    if (options->quiet || options->json || cml_cluster_rank() != 0) return;
+    if (isatty(STDERR_FILENO) || seconds >= 10) fprintf(stderr, "%s\n", text);
+}
+
+/* Prints a note on standard error, with the number of the rank unless it is rank 0. */
+static void print_note(void *context, const char *text)
+{
+    char who[32] = "";
+    (void)context;
+    if (cml_cluster_rank() > 0) snprintf(who, sizeof who, "rank %d: ", cml_cluster_rank());
+    fprintf(stderr, "clustermcml: note: %s", who);
+    cml_print_line(stderr, text);
 }
 
 /* Reads the options and does the command on all ranks. All return the worst status of all, and its
@@ -54,8 +75,10 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
     CML_TRY(cml_escape_output(options.json, err));
     cml_cluster_set_timeout(options.timeout);
-    cml_announce_meshes(&options);
-    options.engine_options.on_note = cml_show_note;
+    options.surface.budget.on_large = show_large_mesh;
+    options.surface.budget.context = &options;
+    options.engine_options.on_note = print_note;
+    clm_on_note(print_note, NULL);
     cml_status status = answer(&options, err);
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK && !cml_output_unread())
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");
@@ -68,6 +91,20 @@ static void complain(cml_status status, const struct cml_error *err)
     if (status == CML_OK) return;
     fputs("clustermcml: ", stderr);
     cml_print_line(stderr, err->text);
+}
+
+/* least stack of the program in KiB; with 192 all samples and commands ran, and the compiler of PoCL, too
+ * (x86-64, gcc 12) */
+enum { LEAST_STACK = 256 };
+
+/* Refuses less stack than the main thread, which flies photons, too, may need. Called before MPI begins,
+ * which also needs some. Other threads have stacks of their own size. */
+static cml_status check_stack(struct cml_error *err)
+{
+    struct rlimit stack;
+    if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= LEAST_STACK * (rlim_t)1024) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "ulimit -s is %llu KiB (expected %d or more)",
+                    (unsigned long long)stack.rlim_cur / 1024, LEAST_STACK);
 }
 
 /* Opens the standard streams that are closed: a file opened later would get their number, and receive text
@@ -102,7 +139,7 @@ int main(int argc, char **argv)
     open_standard_streams();
     cml_stop_ignore();
     cml_stop_with_parent();
-    cml_status status = cml_check_stack(&err);
+    cml_status status = check_stack(&err);
     if (status == CML_OK) status = cml_cluster_begin(&argc, &argv, &err);
     if (status != CML_OK) {
         complain(status, &err);

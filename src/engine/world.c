@@ -369,16 +369,22 @@ static cml_status set_windows(const struct cml_scene *scene, const double origin
                               struct cml_error *err)
 {
     if (!from) return CML_OK;
-    const size_t count = (size_t)from->cells * (size_t)from->rings;
+    const size_t count = (size_t)from->cells * (size_t)from->rings, places = (size_t)from->places;
     to->lowest = cml_arrays_add(&to->arrays, count, sizeof *to->lowest);
+    real *x = cml_arrays_add(&to->arrays, 2 * places, sizeof *x);
     CML_TRY(cml_arrays_check(&to->arrays, "weight windows", err));
     for (size_t i = 0; i < count; i++) to->lowest[i] = from->target[i] / 3;
+    for (size_t k = 0; k < places; k++) {
+        x[k] = (real)(from->place[k][0] - origin[0]);
+        x[places + k] = (real)(from->place[k][1] - origin[1]);
+    }
     to->world.windows = (struct cml_weight_windows){.cells = from->cells,
                                                     .rings = from->rings,
+                                                    .places = from->places,
                                                     .per_bin = (real)(from->cells / from->depth * scene->dz),
-                                                    .x = (real)(from->x - origin[0]),
-                                                    .y = (real)(from->y - origin[1]),
                                                     .per_root = (real)(from->rings / sqrt(from->reach)),
+                                                    .x = x,
+                                                    .y = x + places,
                                                     .low = to->lowest};
     return CML_OK;
 }

@@ -19,6 +19,7 @@ struct cml_mesh_work {
     struct cml_mesh_notes notes;
     uint32_t *origin;   /* [num_triangles] number that each triangle had before triangles were dropped */
     uint32_t *opposite; /* [3 num_triangles] half-edge of the neighbour, or CML_NO_OPPOSITE at the border */
+    size_t num_paired;  /* number of triangles whose edges are paired */
     uint8_t *turned;    /* [num_triangles] true if cml_mesh_orient has reversed the triangle */
 };
 
@@ -33,8 +34,8 @@ bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t);
 CML_NODISCARD cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Reverses triangles until all triangles of a part agree with the part's first triangle. Refuses a part that
- * has only one side, like a Moebius strip. Refuses a boundary's mesh if it has several parts. For a body sets
- * mesh->part and part_start. */
+ * has only one side, like a Moebius strip. Refuses a boundary's mesh if it has several parts, and then leaves
+ * them in mesh->part. For a body sets mesh->part and part_start. */
 CML_NODISCARD cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Refuses a vertex whose triangles are not one fan. */
@@ -55,11 +56,14 @@ CML_NODISCARD cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, stru
  * refused. In *work only the notes are updated. */
 CML_NODISCARD cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Adds to the refusal in *err how many corners of edges with one triangle nearly meet other corners, their
- * largest distance, and which weld= joins them. Adds nothing if no corners nearly meet. num_triangles: number
- * of triangles when cml_mesh_pair_edges was called. */
-void cml_mesh_tell_near_corners(const struct cml_mesh_work *work, size_t num_triangles,
-                                struct cml_error *err);
+/* A function that returns whether a copy of the mesh can be prepared with another weld=. */
+typedef bool cml_mesh_trial(const struct cml_mesh_work *work, double weld);
+
+/* Adds to the refusal in *err what the user should know of corners: how many of edges with one face nearly
+ * meet others, their largest distance, and which weld= joins them; how far the parts of a sheet are from each
+ * other; or how many corners the given weld= has joined. Adds nothing if nothing of this is so. */
+void cml_mesh_tell_of_corners(const struct cml_mesh_work *work, cml_mesh_trial *try_weld,
+                              struct cml_error *err);
 
 /* Returns a hash of three coordinates. -0.0 has another one than 0.0. */
 size_t cml_mesh_hash(const double p[3]);

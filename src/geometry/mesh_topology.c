@@ -143,7 +143,7 @@ static cml_status refuse_parts(const struct cml_mesh_work *work, size_t parts, u
 
 /* Visits all triangles breadth first, across common edges. A sheet is orientable if no triangle must have
  * both windings, and connected if one start reaches all triangles. Sets *parts to the number of starts and
- * *second to the second start. For a body, notes the part of each triangle. */
+ * *second to the second start, and notes the part of each triangle. */
 static cml_status visit_all(const struct cml_mesh_work *work, uint32_t *queue, size_t *parts,
                             uint32_t *second, struct cml_error *err)
 {
@@ -157,7 +157,7 @@ static cml_status visit_all(const struct cml_mesh_work *work, uint32_t *queue, s
         queue[tail++] = seed;
         for (; head < tail; head++) {
             CML_TRY(visit_neighbours(work, queue[head], state, queue, &tail, err));
-            if (mesh->part) mesh->part[queue[head]] = (uint32_t)(*parts - 1);
+            mesh->part[queue[head]] = (uint32_t)(*parts - 1);
         }
     }
     return CML_OK;
@@ -204,9 +204,9 @@ cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err)
     size_t parts = 0;
     uint32_t second = 0, *queue = malloc(num_triangles * sizeof *queue);
     work->turned = malloc(num_triangles);
-    if (mesh->closed) mesh->part = malloc(num_triangles * sizeof *mesh->part);
+    mesh->part = malloc(num_triangles * sizeof *mesh->part);
     cml_status status = CML_OK;
-    if (!work->turned || !queue || (mesh->closed && !mesh->part)) {
+    if (!work->turned || !queue || !mesh->part) {
         status = no_memory(mesh, err);
     } else {
         memset(work->turned, UNVISITED, num_triangles);
@@ -216,7 +216,10 @@ cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err)
     CML_TRY(status);
     flip_triangles(work);
     if (mesh->closed) return list_parts(mesh, parts, err);
-    return parts == 1 ? CML_OK : refuse_parts(work, parts, second, err);
+    if (parts > 1) return refuse_parts(work, parts, second, err);
+    free(mesh->part);
+    mesh->part = NULL;
+    return CML_OK;
 }
 
 /* Marks the corners of the fan around the vertex of corner `start`: one way round over incoming half-edges,

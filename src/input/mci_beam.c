@@ -346,7 +346,7 @@ static cml_status start_in_port(const struct cml_mci_reader *reader, const struc
                                 struct cml_beam *beam)
 {
     char expected[120];
-    CML_TRY(cml_mci_find_port(reader, scene, beam->port, "beam", beam->line, &beam->contact));
+    CML_TRY(cml_mci_find_port(reader, scene, beam->port, "beam", scene->file, beam->line, &beam->contact));
     if (!beam->contact) return CML_OK;
     const struct cml_contact_def *port = &scene->contacts[beam->contact - 1];
     const bool round = port->shape == CML_DETECTOR_RING, disk = round && port->size[0] == 0;

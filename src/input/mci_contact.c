@@ -130,13 +130,13 @@ static int port_of(const struct cml_scene *scene, const char *name)
 }
 
 cml_status cml_mci_find_port(const struct cml_mci_reader *reader, const struct cml_scene *scene,
-                             const char *name, const char *owner, int line, int *contact)
+                             const char *name, const char *owner, const char *file, int line, int *contact)
 {
     char field[32];
     *contact = name ? port_of(scene, name) : 0;
     if (!name || *contact) return CML_OK;
     snprintf(field, sizeof field, "%s: port", owner);
-    return cml_fail_field(reader->err, scene->file, line, field, name,
+    return cml_fail_field(reader->err, file, line, field, name,
                           "the name or number of a port line, which stands before layer 1");
 }
 
@@ -176,12 +176,6 @@ static bool absorbs_nowhere(const struct cml_scene *scene)
     return true;
 }
 
-/* True if an opaque surface sends all light back. A metal whose index has no real part does. */
-static bool reflects_all(const struct cml_backing_def *surface)
-{
-    return surface->kind == CML_BACKING_METAL ? surface->n == 0 : surface->R >= 1;
-}
-
 /* Refuses walls of which all light comes back forever. */
 static cml_status check_walls(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
@@ -189,15 +183,16 @@ static cml_status check_walls(const struct cml_mci_reader *reader, const struct 
     bool open = whole == 0;
     for (int k = whole ? whole - 1 : 0; k < scene->num_contacts; k++) {
         const struct cml_contact_def *contact = &scene->contacts[k];
-        open |= contact->port || !reflects_all(&contact->face);
+        const bool lets_out = contact->port || !cml_reflects_all(&contact->face);
+        open |= lets_out && (contact->whole || !cml_contact_is_hidden(scene, k + 1));
     }
     const struct cml_backing_def *backing = &scene->backing;
-    if (open || backing->kind == CML_BACKING_NONE || !reflects_all(backing) || !absorbs_nowhere(scene))
+    if (open || backing->kind == CML_BACKING_NONE || !cml_reflects_all(backing) || !absorbs_nowhere(scene))
         return CML_OK;
     return cml_fail_field(
         reader->err, scene->file, scene->contacts[whole - 1].line, "face: R", "1",
-        "less than 1, a port, or a medium that absorbs: over a backing of R = 1 light would "
-        "never end");
+        "less than 1, a port that no line covers, or a medium that absorbs: over a backing of R = 1 "
+        "light would never end");
 }
 
 cml_status cml_mci_end_contacts(const struct cml_mci_reader *reader, struct cml_scene *scene)

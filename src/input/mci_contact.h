@@ -19,7 +19,8 @@ void cml_mci_contact_parts(struct cml_scene *scene, bool port, int i, struct cml
  * CML_E_INPUT. */
 CML_NODISCARD cml_status cml_mci_end_contacts(const struct cml_mci_reader *reader, struct cml_scene *scene);
 
-/* Finds the port that line `line` of a beam or detector, the owner, names: *contact, from 1; 0 if name is
- * NULL. CML_E_INPUT: there is no such port. */
+/* Finds the port that a beam or detector, the owner, names in a line of `file`: *contact, from 1; 0 if name
+ * is NULL. CML_E_INPUT: there is no such port. */
 CML_NODISCARD cml_status cml_mci_find_port(const struct cml_mci_reader *reader, const struct cml_scene *scene,
-                                           const char *name, const char *owner, int line, int *contact);
+                                           const char *name, const char *owner, const char *file, int line,
+                                           int *contact);

@@ -159,13 +159,24 @@ cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *sce
                          read_rows, &table);
 }
 
+/* Returns the file that describes a detector: a table, or the scene's. */
+static const char *file_of(const struct cml_scene *scene, const struct cml_detector_def *detector)
+{
+    return detector->table ? detector->table : scene->file;
+}
+
+/* Returns the line of this file. */
+static int line_of(const struct cml_detector_def *detector)
+{
+    return detector->table ? detector->row : detector->line;
+}
+
 /* Refuses a value of detector k, with the line of the scene or the row of the table that it comes from. */
 static cml_status fail_detector(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                                 const char *field, const char *value, const char *expected)
 {
     const struct cml_detector_def *d = &scene->detectors[k];
-    return cml_fail_field(reader->err, d->table ? d->table : scene->file, d->table ? d->row : d->line, field,
-                          value, expected);
+    return cml_fail_field(reader->err, file_of(scene, d), line_of(d), field, value, expected);
 }
 
 /* ---- checks of several lines ---- */
@@ -180,7 +191,8 @@ static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene 
     snprintf(value, sizeof value, "%g %g", detector->size[0], detector->size[1]);
     if (detector->shape == CML_DETECTOR_RING && detector->size[0] >= detector->size[1])
         return fail_detector(reader, scene, k, "detector: r1 r2", value, "r1 < r2");
-    CML_TRY(cml_mci_find_port(reader, scene, detector->port, "detector", detector->line, &detector->contact));
+    CML_TRY(cml_mci_find_port(reader, scene, detector->port, "detector", file_of(scene, detector),
+                              line_of(detector), &detector->contact));
     if (detector->contact) {
         const struct cml_contact_def *port = &scene->contacts[detector->contact - 1];
         memcpy(detector->size, port->size, sizeof port->size);
@@ -250,8 +262,7 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
         char expected[400];
         if (strcmp(first->name, sorted[i]->name) != 0) continue;
         snprintf(expected, sizeof expected, "another name than that of the detector in line %d%s%.300s",
-                 first->table ? first->row : first->line, first->table ? " of " : "",
-                 first->table ? first->table : "");
+                 line_of(first), first->table ? " of " : "", first->table ? first->table : "");
         status = fail_detector(reader, scene, (int)(sorted[i] - scene->detectors),
                                sorted[i]->shape == CML_DETECTOR_GROUP ? "detector: group" : "detector: name",
                                sorted[i]->name, expected);

@@ -306,7 +306,6 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
                 report->flat_below);
 }
 
-/* Prints for each rank the shares of its time that it flew, waited, asked for photons and summed results. */
 void cml_report_ranks(FILE *stream, const struct cml_timing *timing)
 {
     fprintf(stream, "  %4s %14s %8s %8s %8s %8s\n", "rank", "photons", "flying %", "idle %", "asking %",

@@ -326,8 +326,6 @@ void cml_add_fields(struct cml_field_list *c, enum cml_axis_kind first)
     }
 }
 
-/* Adds the maps of detectors as fields, per area of a pixel: only detector number `only`, or all detectors
- * if only < 0. The maps of all detectors follow one another in one array. */
 void cml_add_detector_fields(struct cml_field_list *c, int only)
 {
     const struct cml_scene *scene = c->report->scene;
@@ -461,7 +459,6 @@ void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *pre
     along_facets(c, b);
 }
 
-/* Adds the heights of a radial boundary b over radius, if it has few enough points to be useful in a file. */
 void cml_add_shape_field(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_boundary *boundary = &c->report->scene->boundaries[b];
@@ -492,8 +489,6 @@ static void add_body_scores(struct cml_field_list *c, const struct cml_body_face
     }
 }
 
-/* Adds what is known of each drawn face of bodies: the number of its body, and the light that its facet
- * received and sent. */
 void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_faces *drawn)
 {
     c->axis[CML_AXIS_body_facet] = cml_quantity_axis(CML_AXIS_face, drawn->faces.num_faces, 0, 1);
@@ -502,8 +497,6 @@ void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_fa
     add_body_scores(c, drawn->face);
 }
 
-/* Adds fields over the facets of all bodies: the number of the body, the facet's area and what passed the
- * facet. */
 void cml_add_body_fields(struct cml_field_list *c)
 {
     const struct cml_body_surfaces *bodies = &c->report->surfaces->bodies;

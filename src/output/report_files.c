@@ -51,7 +51,6 @@ cml_status cml_report_path(const char *path, const char *suffix, char **result, 
     return cml_text_format(result, "a path", err, "%.*s%s", (int)stem_length(path), path, suffix);
 }
 
-/* Frees the outcome and the file names of a report. */
 void cml_report_clear(struct cml_report *report)
 {
     for (int i = 0; i < report->num_files; i++) free(report->files[i]);
@@ -329,7 +328,6 @@ static cml_status write_next(void *context, const struct cml_report_file *file, 
     return write_file(report, file, *name, err);
 }
 
-/* Computes the outcome of a run and writes all its files; report->files lists them. */
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
     const struct cml_report_asks asks = asks_of(&report->sums->grid);

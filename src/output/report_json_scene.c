@@ -328,9 +328,6 @@ cml_status cml_json_print_lists(FILE *stream, json_t *object, const struct cml_j
     return status;
 }
 
-/* Prints the JSON object of `check --json`: what the program has read from a scene, with units converted and
- * defaults filled in. The long lists (layers, beams ...) stand as null in the object and are filled in when
- * it is printed. */
 cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                  const struct cml_surface_set *surfaces, const struct cml_sweep_size *sweep,
                                  double bytes, const int *starts, const struct cml_mean_shapes *mean,

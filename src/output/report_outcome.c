@@ -103,8 +103,6 @@ static cml_status fill_extents(const struct cml_report *report, struct cml_outco
     return CML_OK;
 }
 
-/* Describes shapes, beam, phase functions and detectors of the scene in words, as four texts of the outcome.
- * `reader` decides how long lists may be. */
 cml_status cml_report_words(struct cml_report *report, enum cml_report_reader reader, struct cml_error *err)
 {
     struct cml_outcome *o = &report->outcome;
@@ -239,7 +237,6 @@ static cml_status fill(struct cml_report *report, struct cml_error *err)
     return fill_derivatives(report, o, err);
 }
 
-/* Computes everything that an .mco and .h5 of the run contain, except for fields. */
 cml_status cml_report_outcome(struct cml_report *report, struct cml_error *err)
 {
     report->outcome = (struct cml_outcome){0};
@@ -264,7 +261,6 @@ static void print_medium(FILE *stream, const struct cml_outcome *o, int k)
     fputs(" cm\n", stream);
 }
 
-/* Prints the derivatives of Rd and Tt with respect to mua and mus of each medium. */
 void cml_report_print_derivatives(FILE *stream, const struct cml_report *report)
 {
     enum { MOST = 16 }; /* the files have all media */

@@ -133,7 +133,6 @@ cml_status cml_report_write_saved(struct cml_report *report, const char *path, s
     return write(report, path, &kept, indices, err);
 }
 
-/* Makes the name of the file of saved packets: NAME.photons.h5 in the folder of the result. */
 cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path, char **result,
                                  struct cml_error *err)
 {

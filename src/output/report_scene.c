@@ -31,7 +31,6 @@ static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader re
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
 }
 
-/* Returns the word for a kind of backing. */
 const char *cml_backing_word(enum cml_backing_kind kind)
 {
     static const char *const words[] = {"", "mirror", "lambertian", "metal"};
@@ -264,7 +263,6 @@ static void report_light(FILE *stream, const struct cml_light *light)
     if (light->kind == CML_LIGHT_OF_NA) fprintf(stream, ":%g", light->na);
 }
 
-/* Returns the word for a beam's shape. */
 const char *cml_beam_word(enum cml_beam_shape kind)
 {
     static const char *const words[] = {"pencil", "disk", "gaussian", "ring", "rectangle", "image"};
@@ -309,14 +307,12 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *s
     fputc('\n', stream);
 }
 
-/* Prints a line for each beam that the file gives; MCML's own pencil beam needs no line. */
 void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene, const int *starts)
 {
     for (int k = 0; k < scene->num_beams; k++)
         if (scene->beams[k].given) cml_report_beam(stream, prefix, scene, k, starts);
 }
 
-/* Returns the word for a detector's shape. A ring with inner radius 0 is called a disk. */
 const char *cml_detector_word(const struct cml_detector_def *detector)
 {
     if (detector->shape == CML_DETECTOR_MAP) return "map";
@@ -351,7 +347,6 @@ static void report_detector(FILE *stream, const char *prefix, const struct cml_d
     fputc('\n', stream);
 }
 
-/* Prints a line for each detector; people see the first 20 (`most`) and how many more there are. */
 void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_scene *scene,
                           enum cml_report_reader reader)
 {

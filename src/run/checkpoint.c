@@ -32,21 +32,17 @@ static const char magic[24] = CML_CHECKPOINT_MAGIC;
 #define ORDER 0x0102030405060708u /* a machine of the other byte order reads another number */
 #define VERSION 17u               /* version of this layout; the program refuses any other */
 
-/* Makes the name of the checkpoint of a result. */
 cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
 {
     return cml_text_format(path, "a path", err, "%s.checkpoint", output);
 }
 
-/* Makes the name of the file of a part, such as NAME.part2of7. */
 cml_status cml_part_path(const char *output, struct cml_part part, char **path, struct cml_error *err)
 {
     return cml_text_format(path, "a path", err, "%s.part%" PRIu64 "of%" PRIu64, output, part.number,
                            part.count);
 }
 
-/* Returns the photons of a round (begin to end - 1) that part number K of N flies: the K-th of N equal
- * stretches. A whole run (count 0) flies all. */
 struct cml_range cml_part_turns(struct cml_part part, uint64_t begin, uint64_t end)
 {
     const cml_u128 turns = end - begin;
@@ -142,7 +138,6 @@ cml_status cml_checkpoint_write(const char *path, const char *identity, const ch
     return status;
 }
 
-/* Removes the older version of a checkpoint, if there is one. */
 void cml_checkpoint_remove_older(const char *path)
 {
     struct cml_error ignored;
@@ -151,7 +146,6 @@ void cml_checkpoint_remove_older(const char *path)
     free(old);
 }
 
-/* Writes the checkpoint of a finished run and removes the older one, which is of no more use. */
 cml_status cml_checkpoint_finish(const char *path, const char *identity, const struct cml_run_state *state,
                                  const struct cml_record *record, struct cml_result *result,
                                  struct cml_error *err)
@@ -543,8 +537,6 @@ static cml_status read_part(struct source *source, struct cml_record *record, st
     return read_record(source, record, err);
 }
 
-/* Reads the head, the identity and the command line of the file of one part. Any fault is reported as bad
- * input, because the user named the file. */
 cml_status cml_part_look(const char *path, struct cml_checkpoint_about *about, char **identity, char **call,
                          struct cml_error *err)
 {

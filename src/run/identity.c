@@ -55,7 +55,6 @@ cml_status cml_identity_of(const struct cml_provenance *provenance, const char *
     return cml_text_end(out, identity, &size, "the run's identity", err);
 }
 
-/* Writes a short name of an identity, two checksums in 16 hexadecimal digits. */
 void cml_identity_sum(const char *identity, char sum[CML_IDENTITY_SUM])
 {
     const Bytef *const bytes = (const Bytef *)identity;

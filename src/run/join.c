@@ -45,8 +45,6 @@ void cml_part_files_clear(struct cml_part_files *files)
     *files = (struct cml_part_files){0};
 }
 
-/* Ends the first pass over all runs of the scene file. A file that no run has claimed belongs to another
- * run, and is refused. */
 cml_status cml_part_files_looked(struct cml_part_files *files, cml_status status, struct cml_error *err)
 {
     files->looking = false;
@@ -176,7 +174,6 @@ static void add_saved(struct cml_saved *to, struct cml_saved *from)
     cml_saved_add_found(to, sums.found - sums.kept);
 }
 
-/* Adds the sums of a part to those of the parts before. */
 void cml_run_add(struct cml_result *to, struct cml_result *from)
 {
     size_t cells = 0;

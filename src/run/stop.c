@@ -43,7 +43,6 @@ void cml_stop_ignore(void)
     signal(SIGXFSZ, SIG_IGN);
 }
 
-/* Ends the process silently, as is usual for a program whose pipe has no reader. */
 void cml_stop_without_reader(void)
 {
     signal(SIGPIPE, SIG_DFL);
@@ -75,7 +74,6 @@ void cml_stop_before_flight(void)
     }
 }
 
-/* Lets signals be remembered from now on, because a flight begins that can write a checkpoint. */
 void cml_stop_watch(void)
 {
     atomic_store(&flying, 1);

@@ -38,6 +38,26 @@ static bool overlap(struct cml_outline one, struct cml_outline other)
     return least < share * one.size[1] && share * most > one.size[0];
 }
 
+/* True if an outline holds all of another one. */
+static bool covers(struct cml_outline outer, struct cml_outline inner)
+{
+    const bool round = inner.shape == CML_DETECTOR_RING;
+    const double w = round ? inner.size[1] : inner.size[0] / 2, h = round ? inner.size[1] : inner.size[1] / 2;
+    double least, most;
+    find_distances(&inner, outer.x, outer.y, &least, &most);
+    if (outer.shape == CML_DETECTOR_RING) return least >= outer.size[0] && most <= outer.size[1];
+    return fabs(inner.x - outer.x) + w <= outer.size[0] / 2 &&
+           fabs(inner.y - outer.y) + h <= outer.size[1] / 2;
+}
+
+bool cml_contact_is_hidden(const struct cml_scene *scene, int number)
+{
+    const struct cml_outline own = cml_contact_outline(&scene->contacts[number - 1]);
+    for (int k = number; k < scene->num_contacts; k++)
+        if (scene->contacts[k].whole || covers(cml_contact_outline(&scene->contacts[k]), own)) return true;
+    return false;
+}
+
 int cml_contact_above(const struct cml_scene *scene, int number)
 {
     const struct cml_outline own = cml_contact_outline(&scene->contacts[number - 1]);

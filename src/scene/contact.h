@@ -25,5 +25,14 @@ int cml_contact_whole(const struct cml_scene *scene);
  * Contacts that touch do not overlap. */
 int cml_contact_above(const struct cml_scene *scene, int number);
 
+/* True if one contact behind contact `number`, from 1, which has a shape, covers it. */
+bool cml_contact_is_hidden(const struct cml_scene *scene, int number);
+
+/* True if an opaque surface sends all light back. A metal whose index has no real part does. */
+static inline bool cml_reflects_all(const struct cml_backing_def *surface)
+{
+    return surface->kind == CML_BACKING_METAL ? surface->n == 0 : surface->R >= 1;
+}
+
 /* Returns the index of the medium in which a beam that starts above all surfaces starts. */
 double cml_beam_index(const struct cml_scene *scene, const struct cml_beam *beam);

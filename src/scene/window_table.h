@@ -7,6 +7,9 @@
 
 #include <stdint.h>
 
+#define CML_WINDOW_CELLS 1024
+#define CML_WINDOW_PLACES 32
+
 /* A table of target weights by ring and depth. It owns its array; zeroed, it is empty. */
 struct cml_window_table {
     int layers; /* number of layers, from the top, that the windows cover */
@@ -21,16 +24,17 @@ struct cml_window_table {
     /* Estimated speed-up: the time in which plain packets reach an error, over the time in which packets with
      * windows do. Right within a factor of 2 or 3; 0: windows save no time. */
     double gain;
-    /* Number of depth cells, all of one thickness, and of rings about x, y. Ring i begins at the radius reach
-     * (i / rings)^2. 1 ring: only depth counts. */
+    /* Number of depth cells, all of one thickness, and of rings about the nearest place. Ring i begins at the
+     * radius reach (i / rings)^2. 1 ring: only depth counts. */
     int cells, rings;
-    double depth;       /* depth where the last cell ends, cm; the first cell begins at 0 */
-    double x, y, reach; /* axis of the rings and their outer radius, scene coordinates, cm */
+    double depth;                       /* depth where the last cell ends, cm; the first cell begins at 0 */
+    double reach;                       /* outer radius of the rings, cm */
+    int places;                         /* number of axes of rings; 0: only depth counts */
+    double place[CML_WINDOW_PLACES][2]; /* x and y of each axis, scene coordinates, cm */
     /* [rings][cells] target weight in units of 2^-31, from CML_LEAST_TARGET to a whole packet */
     uint32_t *target;
 };
 
-#define CML_WINDOW_CELLS 1024
 /* Smallest target weight, in units of 2^-31. Lighter packets would be rounded too coarsely (rule P3 of
  * kernels/README.md). */
 #define CML_LEAST_TARGET 256u

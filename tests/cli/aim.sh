@@ -181,7 +181,7 @@ grid="100\n${slits}0.01 0.01\n20 20 3\n"
 scene "2\n1.0\n1.4 1 60 0.8 0.8\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
 expect_code 0 plan "$work/x.mci" --photons 2048
 sed -n 's/.*--aim [sn].* would take some \([0-9.e+]*\) times less time for it.$/\1/p' "$work/out" | paste -s |
-    awk '{ exit !($1 / $2 > 8 && $1 / $2 < 10 && $3 / $1 > 1.9 && $3 / $1 < 2.2) }' || complain "plan, slit, aperture: $(cat "$work/out")"
+    awk '{ exit !($1 / $2 > 8 && $1 / $2 < 10 && $3 / $1 > 3.3 && $3 / $1 < 3.6) }' || complain "plan, slit, aperture: $(cat "$work/out")"
 sed -n 's/^  Through planes .* sees some \([0-9.e-]*\) of the light: .*/\1/p' "$work/out" | paste -s |
     awk '{ exit !($1 == $2 && $1 / $3 > 8 && $1 / $3 < 32) }' || complain "plan, aperture's share: $(cat "$work/out")"
 grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
@@ -198,7 +198,9 @@ windows --aim far
 mv "$work/a/x.mco" "$work/far.mco"
 mv "$work/a/x.h5" "$work/far.h5"
 windows --aim near,near
-expect_code 0 compare "$work/a/x.mco" "$work/far.mco" --alpha 1e-4
+# with so many packets that some come to the other detector, too
+expect_code 0 "$work/x.mci" --aim near --photons 300000 --seed 2 --quiet -o "$work/d"
+expect_code 0 compare "$work/d/x.mco" "$work/far.mco" --alpha 1e-4
 expect_code 0 "$work/x.mci" --aim near --photons 12001 --keep --threads 2 --quiet -o "$work/c"
 expect_code 0 "$work/x.mci" --aim near --more 7999 --quiet -o "$work/c"
 same "--more" "$work/c/x.mco" "$work/b/x.mco"
@@ -207,13 +209,13 @@ grep -q "of another run: 'aim near' there, 'no aim' here" "$work/err" || complai
 expect_code 0 "$work/x.mci" --aim near --seed 2 --quiet -o "$work/d"
 # --error-of DETECTOR with --aim: the run ends at the error asked for and not before; plan estimates the photons for a flight
 # with the same aim.
-expect_code 0 "$work/x.mci" --aim far --photons 2048 --target-error 0.03 --error-of far --json -o "$work/d"
+expect_code 0 "$work/x.mci" --aim far --photons 2048 --target-error 0.02 --error-of far --json -o "$work/d"
 cp "$work/out" "$work/until"
-expect_code 0 plan "$work/x.mci" --aim far --photons 4096 --target-error 0.03 --error-of far --json
+expect_code 0 plan "$work/x.mci" --aim far --photons 4096 --target-error 0.02 --error-of far --json
 python3 - "$work/until" "$work/out" <<'PYTHON' || complain "--error-of: $(cat "$work/until" "$work/out")"
 import json, sys
 until, plan = (json.load(open(path)) for path in sys.argv[1:])
-assert until["detector_far_se"] <= 0.03 * until["detector_far"] and until["photons"] > 20000
+assert until["detector_far_se"] <= 0.02 * until["detector_far"] and until["photons"] > 20000
 assert all(0.3 < row["error_of"]["photons"] / until["photons"] < 2 for row in plan["plans"]) and not plan["gains"]
 PYTHON
 expect_code 0 plan "$work/x.mci" --photons 1024 --error-of A_l:2 --aim near

@@ -70,6 +70,30 @@ sed -i 's/1.4 0.5 50/1.4 0 0/' "$work/glow.mci"
 expect_code 0 check "$work/glow.mci"
 grep -q 'glow.mci:10: a lambertian face over layer 1, which is clear' "$work/err" || complain "check: $(cat "$work/err")"
 
+# Walls of R = 1 without a way out: later faces cover the port and the black face, whole or not.
+scene sealed 'beam pencil z=0.1 light=isotropic' 'face 1\nport disk 0.1 n=1.5\nface ring 0.2 0.3 0\nface disk 0.1 metal 0 3\nface rectangle 0.6 0.6 1' 'backing 1\n'
+sed -i 's/1.4 0.5 50/1.4 0 50/' "$work/sealed.mci"
+expect_error 2 "$work/sealed.mci:10: face: R = 1 (expected less than 1, a port that no line covers, or a medium that absorbs: over a backing of R = 1 light would never end)" \
+    run "$work/sealed.mci" --quiet -o "$work"
+sed 's/rectangle 0.6 0.6/rectangle 0.6 0.599/' "$work/sealed.mci" >"$work/rim.mci"
+expect_code 0 check "$work/rim.mci"
+
+# Light that a clear layer below a mirror traps: check says from which angle on, and the run counts it. Other faces end all light.
+for face in '1 62.4573' '0.5' '1 lambertian'; do
+    scene clear 'beam pencil z=0.1 light=isotropic' "face ${face% 6*}" ""
+    sed -i -e 's/1.4 0.5 50/1.5 0 0/' -e 's/^1\.0$/1.6/' -e '$s/.*/1.33/' "$work/clear.mci"
+    sed -i '1s/.*/1.0/' "$work/clear.mci"
+    expect_code 0 check "$work/clear.mci"
+    if test "$face" = '1 62.4573'; then
+        grep -q 'larger n than what is below its mirror: .*, beyond 62.4573 degrees' "$work/err" || complain "check: $(cat "$work/err")"
+    else
+        ! grep -q 'trapped' "$work/err" || complain "face $face, check: $(cat "$work/err")"
+    fi
+    expect_code 0 run "$work/clear.mci" --quiet --json -o "$work"
+    awk -v found="$(number trapped)" -v face="$face" 'BEGIN { share = face ~ /^1 6/ ? sqrt(1 - (1.33 / 1.5) ^ 2) : 0; exit !((found / 4000 - share) ^ 2 < 1e-6) }' ||
+        complain "face $face: $(number trapped) packets trapped"
+done
+
 # Adding-doubling, the furnace and devices refuse boundary 0 with a face.
 for call in "exact" "furnace" "run --engine opencl --quiet -o $work"; do
     expect_code 2 ${call%% *} "$work/probe.mci" $(echo "$call" | cut -s -d' ' -f2-)

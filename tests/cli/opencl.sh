@@ -80,9 +80,11 @@ same_as_cpu hinoise.mco samples/shapes/hinoise.mci --photons 3001 --ignore-heigh
 same_as_cpu hinoise.mco samples/shapes/hinoise.mci --photons 3001 --no-reentry
 same_as_cpu fig5.mco $sample --photons 1
 
-# Kernel binaries are cached; a damaged cache, or none, does no harm.
+# Kernel binaries are cached; a damaged cache, or none, does no harm. The cache of pocl itself stays where it is, because a
+# kernel takes pocl 15 seconds.
+POCL_CACHE_DIR=${XDG_CACHE_HOME:-${HOME:-$work}/.cache}/pocl/kcache
 XDG_CACHE_HOME=$work/cache HOME=$work
-export XDG_CACHE_HOME HOME
+export POCL_CACHE_DIR XDG_CACHE_HOME HOME
 same_as_cpu fig5.mco $sample --photons 1001
 binary=$(ls "$work"/cache/clustermcml/*.bin) || complain "no binary was cached"
 for spoil in 'printf broken >' 'truncate -s -1' 'truncate -s 0'; do

@@ -4,7 +4,7 @@
 
 #include "lib/dice.h"
 
-#include "cli/run/aim.h"
+#include "simulation/aim.h"
 
 #include <stdlib.h>
 
@@ -33,8 +33,13 @@ static inline void invent_windows(const struct cml_scene *scene, struct cml_wind
 {
     static uint32_t target[64 * 4];
     struct dice dice = dice_new(4);
-    *windows = (struct cml_window_table){
-        .cells = 64, .rings = 4, .share = 1, .x = 0.03, .y = -0.01, .reach = 0.4, .target = target};
+    *windows = (struct cml_window_table){.cells = 64,
+                                         .rings = 4,
+                                         .share = 1,
+                                         .places = 2,
+                                         .place = {{0.03, -0.01}, {-0.05, 0}},
+                                         .reach = 0.4,
+                                         .target = target};
     for (int l = 1; l <= scene->num_layers; l++) windows->depth += scene->media[l].d;
     for (int i = 0; i < windows->cells * windows->rings; i++)
         target[i] = 0x80000000u >> (int)(5 * dice_uniform(&dice));

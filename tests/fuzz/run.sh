@@ -1,6 +1,6 @@
 #!/bin/bash
 # Builds the fuzzers and runs them one after the other: run.sh TIME [TARGET ...]. TIME per target is like 30 (seconds), 90s,
-# 10m or 2h, or a number of executions like runs=1000000.
+# 10m or 2h, or a number of executions like runs=1000000. A target that is written TARGET:N gets N executions instead.
 # Prints one line per target. Exit code 1 if a fuzzer crashed, hung or leaked; its input is then kept below build-asan/found.
 # The seed is 1 unless FUZZ_SEED is set. With one seed and a number of executions the inputs are the same each time; with a
 # time, their number varies.
@@ -9,7 +9,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 root=$PWD
 build=$root/build-asan
-usage="usage: tests/fuzz/run.sh SECONDS|TIME{s,m,h}|runs=N [TARGET ...]"
+usage="usage: tests/fuzz/run.sh SECONDS|TIME{s,m,h}|runs=N [TARGET[:N] ...]"
 limit=${1:?$usage}
 shift
 all="mci fly obj heightmap mco options checkpoint sweep"
@@ -22,7 +22,7 @@ case $limit in
 esac
 command -v clang >/dev/null || { echo "clang is missing"; exit 77; }
 
-CC=clang CXX=clang++ cmake --preset asan >/dev/null
+test -e "$build/CMakeCache.txt" || CC=clang CXX=clang++ cmake --preset asan >/dev/null
 cmake --build "$build" --parallel 2 --target clustermcml fuzzers >"$build/build.log" 2>&1 || { cat "$build/build.log"; exit 1; }
 
 # A small quarantine: freed blocks stay poisoned for long enough, and memory stays in the cache.
@@ -45,14 +45,16 @@ mkdir -p "$build/found"
 number() { sed -n "s/^stat::$1: *//p" "$2"; }
 
 failed=0
-for target in $targets; do
+for word in $targets; do
+    target=${word%:*} most_runs=
+    [ "$word" = "$target" ] || most_runs=-runs=${word#*:}
     log=$build/found/$target.log
     rm -rf "$build/grown/$target"
     mkdir -p "$build/grown/$target"
     most=4096 # bytes; only what must hold a grid or a mesh is longer
     case $target in mci | fly | mco) most=8192 ;; esac
     code=0
-    "$build/tests/fuzz/fuzz_$target" -seed="${FUZZ_SEED:-1}" "$limit" -max_len=$most -timeout=20 -rss_limit_mb=2048 \
+    "$build/tests/fuzz/fuzz_$target" -seed="${FUZZ_SEED:-1}" "${most_runs:-$limit}" -max_len=$most -timeout=20 -rss_limit_mb=2048 \
         -dict="tests/fuzz/$target.dict" -print_final_stats=1 -artifact_prefix="$build/found/$target-" \
         "$build/grown/$target" "$build/seeds/$target" >"$log" 2>&1 || code=$?
     crashes=$(grep -c '^artifact_prefix=' "$log" || true)

@@ -45,11 +45,12 @@ ROOMS = {
     "src/run/crosscheck": "src/run src/run/cluster src/result src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/output": "src/input/keys src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/output/study": "src/input/keys src/result src/output/files src/tally src/base",
-    "src/cli/options": "src/input/keys src/engine src/engine/engines src/surface src/base",
-    "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/run/cluster src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli/run": "src/aim src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/run/cluster src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/api": "src/cli/run src/cli/load src/cli/options src/output src/result src/output/files src/run src/run/cluster src/engine src/surface src/scene src/tally src/base",
-    "src/cli": "src/aim src/cli/load src/cli/run src/cli/options src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/run/cluster src/engine src/engine/engines "
+    "src/options": "src/input/keys src/engine src/engine/engines src/surface src/base",
+    "src/simulation": "src/options src/aim src/output src/result src/output/files src/exact src/run src/run/cluster src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/flights": "src/simulation src/options src/aim src/input/sweep src/output src/result src/output/files src/output/study src/exact src/run src/run/cluster src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/api": "src/flights src/simulation src/options src/exact src/output src/result src/output/files src/run src/run/cluster src/engine src/surface src/scene src/tally src/base",
+    "src/cli/options": "src/options src/input/keys src/engine src/engine/engines src/surface src/base",
+    "src/cli": "src/api src/flights src/cli/options src/simulation src/options src/aim src/output src/result src/output/files src/output/study src/exact src/run/crosscheck src/run src/run/cluster src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/surface/bounds src/surface/tree src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
@@ -67,8 +68,8 @@ FOREIGN = {
     "omp.h": "src/run/cluster/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
     "hdf5*.h": "src/output/files/hdf5_file src/output/files/hdf5_head",
-    "sys/resource.h": "src/cli/load/scenes",
-    "sys/ioctl.h": "src/cli/run/progress",
+    "sys/resource.h": "src/cli/main",
+    "sys/ioctl.h": "src/flights/progress",
     "signal.h": "src/run/stop",
     "mpi.h": "src/run/cluster/cluster_parts",
     "dlfcn.h": "src/run/cluster/cluster_load",

@@ -4,6 +4,7 @@
 #include "clustermcml.h"
 
 #include <locale.h>
+#include <math.h>
 #include <pthread.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -102,6 +103,31 @@ static void a_refused_number_leaves_the_scene(void **state)
     clm_scene_free(same);
 }
 
+/* A layer of the index of the media around it, without scattering, absorbs 1 - exp(-mua d). */
+static const char clear[] = "1.0\n1\na.mco A\n64\n0.01 0.02\n20 15 3\n1\n1.0\n1 2 0 0 0.5\n1.0\n";
+
+static void a_scene_is_known_without_a_flight(void **state)
+{
+    (void)state;
+    const char *text, *A;
+    struct clm_scene *scene = parsed(clear);
+    require(clm_scene_exact(scene, 0, 1, &text));
+    A = strstr(text, "\"A\":");
+    assert_true(A && fabs(strtod(A + 4, NULL) - (1 - exp(-1))) < 1e-7);
+    require(clm_scene_set(scene, 0, "layer1.mua", "4"));
+    require(clm_scene_exact(scene, 0, 1, &text));
+    A = strstr(text, "\"A\":");
+    assert_true(A && fabs(strtod(A + 4, NULL) - (1 - exp(-2))) < 1e-7);
+    require(clm_scene_check(scene, 0, 1, &text));
+    assert_true(text[0] == '{' && strstr(text, "\"mua\":4.0") &&
+                strchr(text, '\n') == text + strlen(text) - 1);
+    require(clm_scene_check(scene, 0, 0, &text));
+    assert_non_null(strstr(text, "64 photons"));
+    assert_int_equal(clm_scene_check(scene, 1, 0, &text), CLM_E_INPUT);
+    assert_string_equal(text, "");
+    clm_scene_free(scene);
+}
+
 static void numbers_are_set_again_and_again(void **state)
 {
     (void)state;
@@ -130,6 +156,56 @@ static void numbers_that_belong_together_are_set_at_once(void **state)
     assert_int_equal(clm_scene_set_number(scene, 0, names[0], radii[0]), CLM_E_INPUT);
     require(clm_scene_set_numbers(scene, 0, 2, names, radii));
     assert_int_equal(clm_scene_set_numbers(scene, 0, 1000, names, radii), CLM_E_INPUT);
+    clm_scene_free(scene);
+}
+
+/* The rows of a sweep that have come. */
+struct rows {
+    struct clm_scene *scene; /* the same, whose runs are compared with the rows; NULL: none are */
+    int count, most;         /* the sweep is cancelled in row `most` */
+};
+
+static int take_row(void *context, int row, struct clm_run *run)
+{
+    struct rows *rows = context;
+    assert_int_equal(row, rows->count++);
+    assert_int_equal(clm_run_fly(run, 10), CLM_E_INPUT);
+    if (rows->scene) {
+        char path[] = "/tmp/clm_row_XXXXXX.h5";
+        require(clm_scene_set(rows->scene, 0, "layer1.mua", row == 0 ? "0.5" : "2"));
+        require(clm_scene_set(rows->scene, 0, "photons", row == 0 ? "500" : "700"));
+        struct clm_run *alone = opened(rows->scene, NULL);
+        require(clm_run_fly(alone, 0));
+        assert_same(run, alone);
+        clm_run_free(alone);
+        close(mkstemps(path, 3));
+        require(clm_run_write(run, path));
+        struct stat file;
+        assert_true(stat(path, &file) == 0 && file.st_size > 1000);
+        unlink(path);
+    }
+    return rows->count == rows->most;
+}
+
+static void rows_of_a_sweep_are_runs(void **state)
+{
+    (void)state;
+    const char *const shared[] = {"reweight", NULL};
+    struct clm_scene *scene = parsed(plain);
+    struct rows compared = {parsed(plain), 0, 9}, rows = {NULL, 0, 2};
+    require(clm_scene_sweep(scene, NULL, "layer1.mua,photons\n0.5,500\n2,700\n", NULL, take_row, &compared));
+    assert_int_equal(compared.count, 2);
+    for (int i = 0; i < 2; i++) {
+        rows.count = 0;
+        assert_int_equal(
+            clm_scene_sweep(scene, i ? shared : NULL, "layer1.mua\n1\n2\n3\n", NULL, take_row, &rows),
+            CLM_E_STOPPED);
+        assert_int_equal(rows.count, 2);
+    }
+    assert_int_equal(clm_scene_sweep(scene, NULL, "layer1.mua\n1\n-2\n", NULL, take_row, &rows), CLM_E_INPUT);
+    assert_int_equal(rows.count, 2);
+    assert_non_null(strstr(clm_error(), "the table:3: column 1, layer1.mua = -2"));
+    clm_scene_free(compared.scene);
     clm_scene_free(scene);
 }
 
@@ -339,8 +415,10 @@ int main(void)
         cmocka_unit_test(slices_have_the_bits_of_one_flight),
         cmocka_unit_test(a_run_needs_its_scene_no_more),
         cmocka_unit_test(a_refused_number_leaves_the_scene),
+        cmocka_unit_test(a_scene_is_known_without_a_flight),
         cmocka_unit_test(numbers_are_set_again_and_again),
         cmocka_unit_test(numbers_that_belong_together_are_set_at_once),
+        cmocka_unit_test(rows_of_a_sweep_are_runs),
         cmocka_unit_test(options_of_files_are_refused),
         cmocka_unit_test(a_cancelled_run_stops_no_other),
         cmocka_unit_test(twenty_threads_build_and_fly_meshes_at_once),

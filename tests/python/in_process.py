@@ -1,7 +1,10 @@
-"""Tests of flights in this process, by libclustermcml: arrays and attributes are those of the program's .h5, to the bit, also of 20 runs at once;
-no process starts; an interrupt stops a flight; many flights take no more memory; and messages are those of the program."""
+"""Tests of flights in this process, by libclustermcml: arrays and attributes are those of the program's .h5, to the bit, also of 20 runs at once and of
+rows of sweeps; no process starts and no folder is made; an interrupt stops a run, a sweep, a fit; many flights take no more memory; messages are
+those of the program; and without the library the program gives the same."""
 import ctypes
+import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,7 +16,7 @@ import unittest.mock
 import warnings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
-from python_package import TOP, mc, np  # noqa: E402
+from python_package import TOP, mc, np, xr  # noqa: E402
 from clustermcml import library  # noqa: E402
 from clustermcml.h5 import read_h5  # noqa: E402
 from clustermcml.program import find_program  # noqa: E402
@@ -21,6 +24,7 @@ from clustermcml.progress import Progress  # noqa: E402
 
 SLAB = mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)
 WHOLE = "ALL_CASES" in os.environ
+MEASURED = {"seconds", "cpu_s", "photons_per_s", "call_command", "call_input_file"}  # attributes that differ
 
 
 def sample(name):
@@ -29,6 +33,24 @@ def sample(name):
 
 def no_process(*_, **__):
     raise AssertionError("a process was started")
+
+
+def no_folder(*_, **__):
+    raise AssertionError("a folder was made")
+
+
+def rows(scene, **options):
+    """Flies a sweep in which two rows in three have the same mus."""
+    return mc.sweep(scene, {"layer1.mua": [0.5, 2, 0.3], "layer1.mus": [60, 90, 60], "seed": [4, 5, 4]}, dim="case", photons=1000, **options)
+
+
+def bits(result):
+    """Returns the bytes of all arrays of a Dataset, without how long it took."""
+    return {name: array.values.tobytes() for name, array in result.variables.items()}
+
+
+def fly_ridges(seed):
+    return bits(mc.run(sample("ridges"), photons=500, seed=seed))
 
 
 def memory():
@@ -91,26 +113,86 @@ class InProcess(unittest.TestCase):
         for k, result in found.items():
             self.same(result, expected[names[k % 4]])
 
+    def test_rows_are_those_of_files(self):
+        """Rows of a sweep equal those that the program writes into .h5 files: of one flight, with derivatives on a mesh, and of a file on a hill."""
+        heights, path = np.random.default_rng(1).random((8, 8)) * 0.01, os.path.join(self.folder, "hill.mci")
+        plane = mc.Scene([SLAB], nr=20, detectors=[mc.Detector("ring", r1=0.02, r2=0.05, name="near")], time=mc.Time(30, 4))
+        mesh = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, mc.Heightmap(heights, 0.1))], nr=20)
+        mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, mc.Heightfield([0, 0.1], [0.02, 0]))], facets=True).write(path)
+        for k, (scene, options) in enumerate(((plane, {"reweight": True}), (mesh, {"derivatives": True}), (path, {}))):
+            with self.subTest(k), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                with unittest.mock.patch("clustermcml.program._start", no_process):
+                    mine = rows(scene, **options)
+                theirs = rows(scene, output_dir=os.path.join(self.folder, str(k)), **options)
+                xr.testing.assert_identical(mine.assign_attrs(theirs.attrs), theirs)
+                self.assertEqual(bits(mine), bits(theirs))
+                self.assertEqual({name for name in {**mine.attrs, **theirs.attrs} if mine.attrs.get(name) != theirs.attrs.get(name)} - MEASURED, set())
+                self.assertGreater(len(mine.data_vars), 40)
+
+    @unittest.mock.patch("clustermcml.program._start", no_process)
+    @unittest.mock.patch("tempfile.TemporaryDirectory", no_folder)
+    def test_two_sweeps_at_once(self):
+        """Sweeps and fits in two threads give the bits of one after the other, and a scene without files needs no folder."""
+        bounds, seen = {"layer1.mua": (0.1, 2), "layer1.mus": (50, 200)}, {"Rd": (0.3, 0.003), "Tt": (0.36, 0.003)}
+        works = {"plain": lambda: bits(rows(mc.Scene([SLAB]))), "shared": lambda: bits(rows(mc.Scene([SLAB]), reweight=True)),
+                 "spectrum": lambda: bits(mc.spectrum(mc.Scene([SLAB], photons=500), {"layer1.mua": [1, 2, 3]}, [500, 600, 700])),
+                 "fit": lambda: mc.fit(mc.Scene([SLAB], photons=500), bounds, seen).values}
+        expected, found = {name: work() for name, work in works.items()}, {}
+
+        def fly(name):
+            found[name] = works[name]()
+        threads = [threading.Thread(target=fly, args=(name,)) for name in works]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(found, expected)
+
+    def test_without_the_library(self):
+        """A program that no library stands beside flies sweeps and fits by itself, with the same bits."""
+        def fly():
+            fitted = mc.fit(mc.Scene([SLAB], photons=500), {"layer1.mua": (0.1, 2), "layer1.mus": (50, 200)}, {"Rd_a": (np.full(30, 0.1), 0.01), "Tt": (0.36, 0.003)}, flights=3)
+            return bits(mc.run(mc.Scene([SLAB], photons=500))), bits(rows(mc.Scene([SLAB]), reweight=True)), fitted.values, fitted.errors
+        mine, alone = fly(), shutil.copy(find_program(), self.folder)
+        with unittest.mock.patch.dict(os.environ, CLUSTERMCML=alone):
+            with unittest.mock.patch("clustermcml.program._start", no_process), self.assertRaisesRegex(AssertionError, "a process"):
+                rows(mc.Scene([SLAB]))
+            self.assertEqual(fly(), mine)
+
+    def test_a_forked_process(self):
+        """A process that was forked after a flight, and during one, flies on."""
+        expected = fly_ridges(1)
+        other = threading.Thread(target=mc.run, args=(sample("thick"),), kwargs={"photons": 1e5})
+        other.start()
+        with multiprocessing.get_context("fork").Pool(2) as pool:
+            self.assertEqual(pool.map_async(fly_ridges, [1, 1]).get(timeout=120), [expected] * 2)
+        other.join()
+
     @unittest.mock.patch("clustermcml.program._start", no_process)
     def test_interrupt(self):
-        """Ctrl-C ends a flight that would take days, and the next flight is as ever."""
+        """Ctrl-C ends a run, a sweep or a fit that would take days, and the next flight is as ever."""
         main = threading.get_ident()
 
         def interrupt():
             time.sleep(0.7)
             signal.pthread_kill(main, signal.SIGINT)
-        threading.Thread(target=interrupt).start()
-        begin = time.monotonic()
-        with self.assertRaises(KeyboardInterrupt):
-            mc.run(sample("thick"), photons=1e13, threads=1)
-        print(f"an interrupt ended the flight after {time.monotonic() - begin - 0.7:.2f} s", file=sys.stderr)
+        endless = {"photons": 1e13, "threads": 1}
+        for name, work in (("run", lambda: mc.run(sample("thick"), **endless)), ("sweep", lambda: mc.sweep(sample("thick"), {"layer1.mua": [1, 2]}, **endless)),
+                           ("sweep of one flight", lambda: mc.sweep(sample("thick"), {"layer1.mua": [1, 2]}, reweight=True, **endless)),
+                           ("fit", lambda: mc.fit(sample("thick"), {"layer1.mua": (1, 2)}, {"Rd": (0.3, 0.01)}, **endless))):
+            threading.Thread(target=interrupt).start()
+            begin = time.monotonic()
+            with self.subTest(name), self.assertRaises(KeyboardInterrupt):
+                work()
+            print(f"an interrupt ended the {name} after {time.monotonic() - begin - 0.7:.2f} s", file=sys.stderr)
         self.same(mc.run(sample("fig5"), photons=1000), self.of_program(sample("fig5"), "--photons", "1000"))
 
     def test_memory(self):
         """Flights leave nothing behind."""
-        loaded = library.find(find_program(), {})
+        loaded = library.find(find_program(), [])
         count, held = 10000 if WHOLE else 900, []
-        with library.Scene(loaded, sample("fig5"), ["--photons", "100", "--threads", "1"], str) as scene:
+        with library.Scene(loaded, sample("fig5"), None, ["--photons", "100", "--threads", "1"], str) as scene:
             for k in range(count):
                 self.assertEqual(loaded.clm_scene_set_number(scene.scene, 0, b"layer1.mua", ctypes.c_double(0.1 + k / count)), 0)
                 result = scene.fly(["--seed", str(k)], Progress(False))
@@ -125,6 +207,13 @@ class InProcess(unittest.TestCase):
             mc.run(sample("thick"), photons=3e5, threads=1, progress=True)
         self.assertTrue(shown and shown == sorted(shown, key=lambda one: one[0]), shown)
         self.assertRegex(shown[0][1], "^[0-9.e+]+ photons/s, [0-9]+ s left$")
+        shown.clear()
+        with unittest.mock.patch.object(Progress, "show", lambda self, percent, text: shown.append((self.part, percent, text))):
+            mc.sweep(sample("thick"), {"seed": [1, 2]}, photons=3e5, threads=1)
+            mc.fit(mc.Scene([SLAB], photons=100), {"layer1.mua": (0.1, 2)}, {"Rd": (0.3, 0.003)})
+        self.assertEqual(shown, sorted(shown))
+        self.assertTrue({("", 50, "1 of 2 rows"), ("", 100, "2 of 2 rows"), ("flight 1, ", 100, "25 of 25 rows")} <= set(shown), shown)
+        self.assertTrue([percent for _, percent, text in shown if text == "0 of 2 rows" and 0 < percent < 50], shown)
 
     def test_messages(self):
         """Refusals name the scene and the argument as the program does; notes are warnings."""

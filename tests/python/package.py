@@ -15,7 +15,7 @@ import unittest.mock
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 from python_package import TOP, h5py, mc, np, xr  # noqa: E402
-from clustermcml.program import _listen, find_program, fly, result_of  # noqa: E402
+from clustermcml.program import NONE, _fly_program, _listen, find_program, result_of  # noqa: E402
 from clustermcml.progress import Progress  # noqa: E402
 
 SLAB = mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)
@@ -441,8 +441,8 @@ class Runs(unittest.TestCase):
             for path, layer in zip(paths, (SLAB, mc.Layer(1.4, 2, 100, 0.9, 0.1))):
                 with open(path, "w", encoding="utf-8") as file:
                     file.write(mc.Scene([layer], photons=200, format=kind).text("same.mco"))
-            told = [fly(path, self.folder, [], False, "none")[0] for path in paths]
-            self.assertEqual(float(result_of(told[1]).layer_mua[0]), 2)
+            told = [_fly_program(path, self.folder, [], "", Progress(False), "none", NONE)[0] for path in paths]
+            self.assertEqual(result_of(told[1])["layer_mua"].values[0], 2)
             with self.assertRaisesRegex(mc.ClustermcmlError, "same.*: replaced by another call"):
                 result_of(told[0])
 

@@ -10,16 +10,17 @@
 #include <stdlib.h>
 
 #define MOST 16       /* limit of layers, lines on top, beams, detectors */
-#define MOST_BINS 256 /* limit of bins of a list */
+#define MOST_BINS 256 /* limit of bins of a list, and of voxels */
 #define MOST_EVENTS 100000
 #define LIGHT_SPEED 0.0299792458 /* cm/ps */
 
 enum { LAMBERTIAN = METAL + 1, PORT };          /* laws of a line on top, behind MIRROR and METAL */
 enum { WHOLE, DISK, RING, RECTANGLE };          /* shapes; a disk of radius 0 is a pencil */
 enum { PARALLEL, ISOTROPIC, COSINE, APERTURE }; /* directions of a beam's light */
-/* totals; behind KEPT stand layers, then detectors */
+/* totals; behind KEPT stand layers, then detectors, then voxels */
 enum { RSP, RD, TT, FACE, BACKING, TRAPPED, KEPT };
-enum { RD_R, RD_A, RD_T, RSP_DIR, RD_DIR, LISTS };
+enum { SEEN = KEPT + MOST, VOXELS = SEEN + MOST, SUMS = VOXELS + MOST_BINS };
+enum { RD_R, RD_A, RD_T, RSP_DIR, RD_DIR, RD_XY, LISTS };
 
 struct shape {
     int kind;
@@ -53,8 +54,8 @@ struct packet {
 };
 
 static struct {
-    int layers, lines, beams, detectors, nr, na, nt, dir_t, dir_p;
-    double packets, above, below, dr, dt;
+    int layers, lines, beams, detectors, nr, na, nt, dir_t, dir_p, nx, ny, nz;
+    double packets, above, below, dr, dt, dx, dy, dz, top; /* top: of the voxels, above boundary 0 */
     int backing_law;
     struct backing backing;
     struct layer layer[MOST + 1]; /* from 1 */
@@ -63,7 +64,7 @@ static struct {
     struct detector detector[MOST];
 } scene;
 static struct {
-    double now[KEPT + 2 * MOST], sum[KEPT + 2 * MOST], square[KEPT + 2 * MOST];
+    double now[SUMS], sum[SUMS], square[SUMS];
     double bin[LISTS][MOST_BINS], bin_square[LISTS][MOST_BINS];
 } tally;
 
@@ -107,6 +108,24 @@ static void bin(int list, int i, int most, double w)
     tally.bin_square[list][i] += w * w;
 }
 
+/* Returns the pixel of a place, -1 beyond the map. */
+static int pixel_at(struct vec p)
+{
+    const double x = floor(p.x / scene.dx + scene.nx / 2.0), y = floor(p.y / scene.dy + scene.ny / 2.0);
+    return x >= 0 && x < scene.nx && y >= 0 && y < scene.ny ? (int)y * scene.nx + (int)x : -1;
+}
+
+/* Scores the fluence of a straight flight in the voxel of a random place on it. */
+static void pass_along(struct vec p, struct vec v, double length, double w)
+{
+    if (scene.nz == 0) return;
+    const struct vec q = along(p, draw() * length, v);
+    const double z = floor((q.z - scene.top) / scene.dz);
+    const int pixel = pixel_at(q);
+    if (pixel >= 0 && z >= 0 && z < scene.nz)
+        tally.now[VOXELS + (int)z * scene.nx * scene.ny + pixel] += w * fabs(length);
+}
+
 static bool detected(const struct detector *d, struct vec p, struct vec v, int line, int what)
 {
     if (d->diffuse && what == RSP) return false;
@@ -128,14 +147,16 @@ static void leave_upward(int what, const struct packet *packet, int line)
     const int t = (int)fmin(scene.dir_t - 1, angle * scene.dir_t);
     const int a = (int)fmin(scene.dir_p - 1, (azimuth < 0 ? azimuth + 1 : azimuth) * scene.dir_p);
     tally.now[what] += w;
+    pass_along(p, v, scene.top / v.z, w);
     bin(what == RSP ? RSP_DIR : RD_DIR, t * scene.dir_p + a, MOST_BINS, w);
     if (what == RD) {
+        if (pixel_at(p) >= 0) bin(RD_XY, pixel_at(p), MOST_BINS, w);
         bin(RD_R, (int)fmin(1e6, hypot(p.x, p.y) / scene.dr), scene.nr, w);
         bin(RD_A, (int)(angle * scene.na), scene.na, w);
         bin(RD_T, (int)fmin(1e6, packet->clock / scene.dt), scene.nt + 1, w);
     }
     for (int k = 0; k < scene.detectors; k++)
-        if (detected(&scene.detector[k], p, v, line, what)) tally.now[KEPT + MOST + k] += w;
+        if (detected(&scene.detector[k], p, v, line, what)) tally.now[SEEN + k] += w;
 }
 
 /* ---- surfaces ---- */
@@ -257,6 +278,7 @@ static bool launch(const struct beam *b, struct packet *packet)
         const struct vec start = place_across(b, 0);
         packet->p = along(start, -start.z / packet->v.z, packet->v);
     }
+    pass_along(packet->p, packet->v, scene.top / packet->v.z, 1); /* backwards, along the way here */
     const int k = b->port >= 0 ? b->port : line_at(packet->p);
     const double n = index_above(k);
     if (b->port < 0 && n != scene.above) {
@@ -299,6 +321,7 @@ static void fly(struct packet *packet)
             tally.now[TRAPPED] += packet->w;
             return;
         }
+        pass_along(packet->p, packet->v, step, packet->w);
         packet->p = along(packet->p, step, packet->v);
         packet->clock += step * layer->n / LIGHT_SPEED;
         depth -= step * mut;
@@ -318,7 +341,7 @@ static void fly_packet(double share) /* share: place of the packet among the sha
     int k = 0;
     while (k < scene.beams - 1 && share >= scene.beam[k].share) share -= scene.beam[k++].share;
     if (launch(&scene.beam[k], &packet)) fly(&packet);
-    for (int i = 0; i < KEPT + 2 * MOST; i++) {
+    for (int i = 0; i < SUMS; i++) {
         tally.sum[i] += tally.now[i];
         tally.square[i] += tally.now[i] * tally.now[i];
         tally.now[i] = 0;
@@ -391,6 +414,13 @@ static void read_scene(void)
     scene.dt = number();
     scene.dir_t = count(1, 16);
     scene.dir_p = count(1, 16);
+    scene.nx = count(0, 6);
+    scene.ny = count(0, 6);
+    scene.nz = count(0, 6);
+    scene.dx = number();
+    scene.dy = number();
+    scene.dz = number();
+    scene.top = number();
     scene.layers = count(1, MOST);
     scene.above = number();
     for (int i = 1; i <= scene.layers; i++) {
@@ -429,11 +459,13 @@ int main(void)
     for (int i = 0; i < scene.beams; i++) scene.beam[i].share /= shares;
     for (double i = 0; i < scene.packets; i++) fly_packet((i + 0.5) / scene.packets);
     for (int i = 0; i < KEPT + scene.layers; i++) print(tally.sum[i], tally.square[i]);
-    for (int i = 0; i < scene.detectors; i++)
-        print(tally.sum[KEPT + MOST + i], tally.square[KEPT + MOST + i]);
-    const int size[LISTS] = {scene.nr, scene.na, scene.nt + 1, scene.dir_t * scene.dir_p,
-                             scene.dir_t * scene.dir_p};
+    for (int i = 0; i < scene.detectors; i++) print(tally.sum[SEEN + i], tally.square[SEEN + i]);
+    const int size[LISTS] = {
+        scene.nr,           scene.na, scene.nt + 1, scene.dir_t * scene.dir_p, scene.dir_t * scene.dir_p,
+        scene.nx * scene.ny};
     for (int k = 0; k < LISTS; k++)
         for (int i = 0; i < size[k]; i++) print(tally.bin[k][i], tally.bin_square[k][i]);
+    for (int i = 0; i < scene.nx * scene.ny * scene.nz; i++)
+        print(tally.sum[VOXELS + i], tally.square[VOXELS + i]);
     return 0;
 }

@@ -4,21 +4,17 @@ and light by direction.
     rough_oracle.py [short|long [PACKETS [SCENE ...]]]
 
 Scenes written out here cover the lines of `rough` and the objects that they affect. `long` adds random scenes. N = 1e5
-packets a scene on both sides, 4e5 with ALL_CASES, 2e6 in `long` (random scenes: 4e5). Bins of directions are joined until the
-independent program has some 100 packets in each. Statistic: z, at most 4.5, and the mean of z^2 over all: at most 1 and 4.5
-times its error, sqrt(2 / tests)."""
-import json
+packets a scene on both sides, 4e5 with ALL_CASES, 2e6 in `long` (random scenes: 4e5). Statistic: z, at most 4.5, and the mean
+of z^2 (oracle.py)."""
 import math
 import os
 import random
-import statistics
-import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass, field
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
-import cml  # noqa: E402
+import oracle  # noqa: E402
 
 ORACLE = os.environ.get("ROUGH_ORACLE", "build/tests/rough_oracle")
 NT, NP = 9, 4
@@ -99,12 +95,11 @@ def oracle_numbers(scene, seed, packets):
         values = body.line.split()
         around = len(scene.layers) + 1 + body.inside if body.inside else body.around
         numbers += [*values[:4], around, *face_numbers(body.rough), *values[4:]]
-    return " ".join(map(str, numbers))
+    return numbers
 
 
 def by_oracle(scene, seed, packets):
-    done = subprocess.run([ORACLE], input=oracle_numbers(scene, seed, packets), capture_output=True, text=True, check=True)
-    values = [tuple(map(float, line.split())) for line in done.stdout.splitlines()]
+    values = list(oracle.ask(ORACLE, oracle_numbers(scene, seed, packets)))
     media = len(scene.layers) + 2 + len(scene.bodies)
     found = dict(zip(("Rsp", "Rd", "Tt", "A_backing", "trapped", "lost"), values))
     for i in range(len(scene.layers)):
@@ -151,48 +146,15 @@ def program_text(scene, packets, folder):
 
 def by_program(scene, seed, packets):
     with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "rough.mci")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(program_text(scene, packets, folder))
-        done = subprocess.run([cml.PROGRAM, path, "--json", "--output-dir", folder, "--seed", str(seed)],
-                              capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise RuntimeError(f"{scene.name}: exit {done.returncode}: {done.stderr}")
-        told = json.loads(done.stdout)
-        sections = cml.read_sections(told["output"])
+        told, sections = oracle.fly(scene.name, program_text(scene, packets, folder), seed, folder)
     found = {key: (told[key], told[key + "_se"]) for key in ("Rsp", "Rd", "Tt")}
     found["A_backing"] = (told.get("A_backing", 0), told.get("A_backing_se", 0))
     for i in range(len(scene.layers)):
         found[f"A_l {i + 1}"] = (told["A_l"][i], told["A_l_se"][i])
     for i, body in enumerate(told.get("bodies", [])):
         found[f"A_body {i + 1}"] = (body["A"], body["A_se"])
-    for what in ("Rsp", "Rd", "Tt"):
-        sr = [(math.cos(t * math.pi / 2 / NT) - math.cos((t + 1) * math.pi / 2 / NT)) * 2 * math.pi / NP for t in range(NT)]
-        found[what + "_dir"] = [(value * sr[i // NP], error * sr[i // NP]) for i, (value, error) in
-                                enumerate(zip(sections[what + "_dir"], sections[f"se_{what}_dir"]))]
+    found |= {key: oracle.profile(sections, key, oracle.sectors(NT, NP)) for key in ("Rsp_dir", "Rd_dir", "Tt_dir")}
     return found, told
-
-
-def compare(verdict, scene, seed, packets):
-    """Compares every number that both programs give, by z."""
-    theirs = by_oracle(scene, seed, packets)
-    ours, told = by_program(scene, seed, packets)
-    cml.check_balance(verdict, scene.name, told)
-    verdict.check(f"{scene.name}: the other program", theirs.pop("lost")[0] == theirs.pop("trapped")[0] == 0, "lost packets")
-    before = len(verdict.rows)
-
-    def test(name, a, b):
-        if a == b == (0, 0) or (abs(a[0] - b[0]) < 1e-7 and a[1] < 1e-7 and b[1] < 1e-7):  # no light, or split off without error
-            return
-        verdict.z(f"{scene.name}: {name}", a[0], cml.error_of(*a, packets), b[0], cml.error_of(*b, packets))
-
-    for key, expected in theirs.items():
-        if not key.endswith("_dir"):
-            test(key, ours[key], expected)
-            continue
-        for first, last, *pair in cml.joined(ours[key], expected):
-            test(f"{key} {first}-{last}", tuple(pair[:2]), tuple(pair[2:]))
-    return [score for score, _ in verdict.rows[before:]]
 
 
 def written_scenes():
@@ -244,21 +206,4 @@ def drawn_scene(number):
     return Scene(f"lot {number}", layers, faces, n=(dice.choice([1, 1.5]), dice.choice([1, 1.33])), beam=beam, backing=backing, bodies=bodies)
 
 
-def main():
-    whole, chosen = sys.argv[1:2] == ["long"], sys.argv[3:]
-    packets = int(float(sys.argv[2])) if len(sys.argv) > 2 else 2000000 if whole else cml.repeats(200000)
-    scenes = [(scene, packets) for scene in written_scenes()]
-    scenes += [(drawn_scene(i), packets // 5) for i in range(60)] if whole else []
-    verdict, squares = cml.Verdict("rough boundaries"), []
-    for i, (scene, number) in enumerate(scenes):
-        if chosen and scene.name not in chosen:
-            continue
-        scores = compare(verdict, scene, i + 1, number)
-        squares += [score * score for score in scores]
-        print(f"{scene.name}: {len(scores)} numbers, worst |z| {max(scores):.2f}, mean z^2 {statistics.fmean(squares[-len(scores):]):.2f}", flush=True)
-    mean = statistics.fmean(squares)
-    verdict.check("mean of z^2", mean < 1 + 4.5 * math.sqrt(2 / len(squares)), f"{mean:.3f} of {len(squares)} numbers")
-    verdict.finish(limit=4.5)
-
-
-main()
+oracle.judge("rough boundaries", written_scenes(), drawn_scene, 200000, by_program, by_oracle, ("lost", "trapped"), limit=4.5)

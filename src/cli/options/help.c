@@ -3,7 +3,7 @@
 
 #include "base/text.h"
 #include "cli/options/manual.h"
-#include "cli/options/option_table.h"
+#include "options/option_table.h"
 #include "input/keys/key.h"
 
 #include <string.h>

@@ -28,7 +28,6 @@ static void print_line(FILE *stream, const char *line)
     fprintf(stream, "%.*s\n", (int)strcspn(line, "\n"), line);
 }
 
-/* Returns the manual's page of this name or keyword; NULL if there is none. */
 const struct cml_manual_page *cml_manual_find(const char *name)
 {
     for (const struct cml_manual_page *page = cml_manual; page->name; page++)
@@ -204,8 +203,6 @@ static int print_glossary(FILE *stream, const char *word)
     return count;
 }
 
-/* Prints all passages of the manual that explain a word: sections with the word in the heading, rows of
- * tables, else the section that the glossary names. Returns their number. */
 int cml_manual_print_word(FILE *stream, const char *word)
 {
     int count = 0;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/options/options_parse.h"
 
-#include "cli/options/option_table.h"
-#include "cli/options/option_values.h"
-#include "engine/engines.h"
+#include "options/option_read.h"
+#include "options/option_table.h"
+#include "options/option_values.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -98,39 +98,6 @@ static cml_status refuse_unknown(const struct words *words, struct cml_error *er
     return cml_fail(err, CML_E_INPUT, "unknown option %s (did you mean --%s?)", words->typed, meant);
 }
 
-/* Refuses an option that has no effect on this command or engine, because the user expected one. */
-static cml_status check_belongs(const struct words *words, const struct cml_options *options,
-                                struct cml_error *err)
-{
-    const struct cml_option *option = words->option, *engine = cml_option_find("engine", strlen("engine"));
-    const char *command = cml_commands[options->which].name;
-    char owners[160] = "";
-    if (!cml_option_belongs(option, options->which)) {
-        cml_option_commands(option, owners, sizeof owners);
-        return cml_fail(err, CML_E_INPUT, "%s: %s does not apply (it belongs to: %s)", command, words->typed,
-                        owners);
-    }
-    if (!option->engine || !cml_option_belongs(engine, options->which) ||
-        strcmp(option->engine, options->engine->name) == 0)
-        return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "%s: %s does not apply to engine %s (it belongs to: %s)", command,
-                    words->typed, options->engine->name, option->engine);
-}
-
-/* Checks an option before its value is read: known, allowed for this command, with a value exactly if it
- * takes one. */
-static cml_status check_option(const struct words *words, const struct cml_options *options,
-                               struct cml_error *err)
-{
-    if (!words->option) return refuse_unknown(words, err);
-    if (!options->help && !options->version) CML_TRY(check_belongs(words, options, err));
-    if (words->option->argument && !words->value)
-        return cml_fail(err, CML_E_INPUT, "%s is missing its value (try clustermcml --help)", words->typed);
-    if (words->surplus)
-        return cml_fail(err, CML_E_INPUT, "%s takes no value (try clustermcml --help)", words->typed);
-    return CML_OK;
-}
-
 /* Returns the command that the first operand was perhaps meant as; NULL: none. A single operand is a scene if
  * such a file exists. */
 static const char *misspelt_command(const struct cml_options *options)
@@ -171,28 +138,6 @@ static cml_status refuse_fit(int argc, char **argv, const struct cml_options *op
 }
 
 /* ---- reading ---- */
-
-/* Sets the defaults of all options: those not named here are 0, false or NULL. */
-static void set_defaults(struct cml_options *options)
-{
-    *options = (struct cml_options){.engine = cml_engine_find("cpu")};
-    /* one false alarm in a hundred comparisons */
-    options->alpha = 0.01;
-    /* a fixed seed: whoever has the file can repeat the run */
-    options->engine_options.seed = 1;
-    options->run = 1;
-    options->engine_options.lattice = true;
-    options->engine_options.roulette = (struct cml_roulette_options){0.003, 0.01};
-    options->engine_options.reentry = true;
-    options->engine_options.absorption = true;
-    /* s: a kill costs at most a minute of work, and a host is lost only after a minute of silence */
-    options->checkpoint_interval = 60;
-    options->timeout = 60;
-    options->surface.force = CML_SURFACE_AUTO;
-    options->surface.tolerance = 1e-3;
-    options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;
-    options->surface.budget.most = cml_mesh_budget_default();
-}
 
 /* Keeps the command line as typed; call it before operands are moved to the front. */
 static void keep_command(int argc, char **argv, struct cml_options *options)
@@ -246,8 +191,7 @@ static void look_ahead(int argc, char **argv, struct cml_options *options)
             if (options->named) options->which = command;
             first = false;
         } else if (kind == WORD_OPTION && option && (!option->argument || option->read == cml_read_engine)) {
-            if (option->argument && !words.value) continue;
-            if (option->read(option, words.value, options, &later) != CML_OK) continue;
+            if (words.value || !option->argument) (void)option->read(option, words.value, options, &later);
         }
     }
 }
@@ -264,11 +208,9 @@ static bool is_topic(struct words *words, const struct cml_options *options)
     return true;
 }
 
-/* Reads the command line into *options. Operands (words that are no options) are moved to the front of argv,
- * in their order. */
 cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
 {
-    set_defaults(options);
+    cml_options_default(options);
     keep_command(argc, argv, options);
     look_ahead(argc, argv, options);
     keep_call(argc, argv, options);
@@ -281,8 +223,8 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
                 words.operand; /* the operand moves to a place before `at`, so no word is lost */
             continue;
         }
-        CML_TRY(check_option(&words, options, err));
-        CML_TRY(words.option->read(words.option, words.value, options, err));
+        if (!words.option) return refuse_unknown(&words, err);
+        CML_TRY(cml_option_read(words.option, words.typed, words.value, words.surplus, options, err));
     }
     options->operands = argv + 1 + options->named;
     options->num_operands = operands - options->named;

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #pragma once
 
-#include "cli/options/options.h"
+#include "options/options.h"
 
 /* Reads argv[1..]. Options and operands may mix; "--" ends the options. Long options may not be abbreviated.
  * CML_E_INPUT with one line: an unknown option, one that does not belong to the command or engine, a wrong

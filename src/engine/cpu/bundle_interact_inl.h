@@ -139,12 +139,16 @@ CML_LOOP int cml_bundle_find_outside(const struct cml_world *world, const struct
     const real *restrict const bins = CML_OF_MEDIUM(b, bins);
     _Alignas(64) int cell[CML_LANES];
     _Alignas(64) cml_u32 low[CML_LANES];
+    _Alignas(64) real square[CML_LANES];
     int any = 0;
+    for (int i = 0; i < CML_LANES; i++) square[i] = CML_FAR_FROM_WINDOWS;
+    for (int k = 0; k < windows.places; k++) {
 #pragma omp simd
-    for (int i = 0; i < CML_LANES; i++) {
-        const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
-        cell[i] = cml_window_cell(windows, per_dz, p, bins[i]);
+        for (int i = 0; i < CML_LANES; i++) square[i] = cml_nearer(windows, k, b->x[i], b->y[i], square[i]);
     }
+#pragma omp simd
+    for (int i = 0; i < CML_LANES; i++)
+        cell[i] = cml_window_cell_of(windows, per_dz, b->z[i], bins[i], square[i]);
 #pragma GCC unroll 8
     for (int i = 0; i < CML_LANES; i++) low[i] = windows.low[cell[i]];
 #pragma omp simd reduction(| : any)

@@ -7,6 +7,7 @@
 
 #define BIG CML_MCI_HUGE
 #define TINY CML_MCI_TINY
+#define WIDE 1e18 /* cm; squares of radii and distances must have room in single precision */
 
 enum {
     POS = CML_KEY_PLACED,
@@ -67,9 +68,9 @@ const struct cml_key cml_key_table[] = {
     ROW(CONTACT, "at", NULL, XY, OPT, contact_def, x, NULL, 0, 0, "cm", "0,0", "X,Y of the middle; only behind a shape"),
     ROW(CONTACT, "x", NULL, REAL, SET | JSON, contact_def, x, COORD, -BIG, BIG, "cm", "0", "x of `at`"),
     ROW(CONTACT, "y", NULL, REAL, SET | JSON, contact_def, y, COORD, -BIG, BIG, "cm", "0", "y of `at`"),
-    ROW(CONTACT_DISK, "radius", NULL, REAL, POS | SET, contact_def, size[1], LENGTH, TINY, BIG, "cm", NULL, "radius of the disk"),
-    ROW(CONTACT_RING, "r1", NULL, REAL, POS | SET, contact_def, size[0], LENGTH, 0, BIG, "cm", NULL, "inner radius"),
-    ROW(CONTACT_RING, "r2", NULL, REAL, POS | SET, contact_def, size[1], LENGTH, TINY, BIG, "cm", NULL, "outer radius"),
+    ROW(CONTACT_DISK, "radius", NULL, REAL, POS | SET, contact_def, size[1], LENGTH, TINY, WIDE, "cm", NULL, "radius of the disk"),
+    ROW(CONTACT_RING, "r1", NULL, REAL, POS | SET, contact_def, size[0], LENGTH, 0, WIDE, "cm", NULL, "inner radius"),
+    ROW(CONTACT_RING, "r2", NULL, REAL, POS | SET, contact_def, size[1], LENGTH, TINY, WIDE, "cm", NULL, "outer radius"),
     ROW(CONTACT_RECTANGLE, "w", NULL, REAL, POS | SET, contact_def, size[0], LENGTH, TINY, BIG, "cm", NULL, "width along x"),
     ROW(CONTACT_RECTANGLE, "h", NULL, REAL, POS | SET, contact_def, size[1], LENGTH, TINY, BIG, "cm", NULL, "width along y"),
     ROW(FACE, "r", "R", REAL, POS | SET, contact_def, face.R, "a reflectance", 0, 1, NULL, NULL, "share of the light that comes back"),
@@ -84,7 +85,7 @@ const struct cml_key cml_key_table[] = {
     ROW(MESH, "rotate", NULL, REAL, OPT, mesh_file_options, rotate, "degrees", -360, 360, "degree", "0", "turn about the vertical, counter-clockwise seen from above; not of a heightmap"),
     ROW(MESH, "units", NULL, OWN, OPT, mesh_file_options, unit, "cm, mm, um or m", 0, 0, NULL, "cm", "unit of the file's numbers: an `.asc` file needs the key, a `.gsf` file has its own unit"),
     ROW(MESH, "scale", NULL, REAL, OPT, mesh_file_options, scale, "a number", TINY, BIG, NULL, "1", "factor on all coordinates of the file"),
-    ROW(MESH, "weld", NULL, REAL, OPT, mesh_file_options, weld, "a distance", TINY, BIG, "cm", "none", "corners nearer to each other than this become one, at the place of the first; equal corners always do; not of a heightmap"),
+    ROW(MESH, "weld", NULL, REAL, OPT, mesh_file_options, weld, "a distance", TINY, BIG, "cm", "none", "corners nearer to each other than this become one, at the place of the first; so do chains of such corners, and equal corners always; not of a heightmap"),
     ROW(PLACE, "shift", NULL, XYZ, OPT, mesh_file_options, shift, NULL, 0, 0, "cm", "0,0,0", "by how much the shape is moved along x, y and up; also of `m gaussian`"),
     ROW(PLACE, "normals", NULL, WORD, OPT, mesh_file_options, normals, "face vertex", 0, 0, NULL, "face", "normals of the facets, or interpolated ones; also of `m gaussian`"),
     ROW(SHEET, "skirt", NULL, REAL, OPT, mesh_file_options, skirt, "a width", TINY, BIG, "cm", "none", "width of the skirt of a border that is not level; not of a heightmap"),
@@ -136,9 +137,9 @@ const struct cml_key cml_key_table[] = {
     ROW(AIM, "na", NULL, REAL, OPT | SET, detector_def, na, NA, TINY, 100, NULL, "all directions", "limits directions to a cone about an axis: n sin of half its opening"),
     ROW(AIM, "angle", NULL, ANGLE, OPT | SET | JSON, detector_def, angle, "degrees", 0, 90, "degree", "0", "angle between the axis and the outward vertical"),
     ROW(AIM, "azimuth", NULL, ANGLE, OPT | SET | JSON, detector_def, azimuth, "degrees", -360, 360, "degree", "0", "azimuth of the axis, from x towards y"),
-    ROW(DETECTOR_DISK, "radius", NULL, REAL, POS | SET, detector_def, size[1], LENGTH, TINY, BIG, "cm", NULL, "radius of the disk"),
-    ROW(DETECTOR_RING, "r1", NULL, REAL, POS | SET, detector_def, size[0], LENGTH, 0, BIG, "cm", NULL, "inner radius"),
-    ROW(DETECTOR_RING, "r2", NULL, REAL, POS | SET, detector_def, size[1], LENGTH, TINY, BIG, "cm", NULL, "outer radius"),
+    ROW(DETECTOR_DISK, "radius", NULL, REAL, POS | SET, detector_def, size[1], LENGTH, TINY, WIDE, "cm", NULL, "radius of the disk"),
+    ROW(DETECTOR_RING, "r1", NULL, REAL, POS | SET, detector_def, size[0], LENGTH, 0, WIDE, "cm", NULL, "inner radius"),
+    ROW(DETECTOR_RING, "r2", NULL, REAL, POS | SET, detector_def, size[1], LENGTH, TINY, WIDE, "cm", NULL, "outer radius"),
     ROW(DETECTOR_RECTANGLE, "w", NULL, REAL, POS | SET, detector_def, size[0], LENGTH, TINY, BIG, "cm", NULL, "width along x"),
     ROW(DETECTOR_RECTANGLE, "h", NULL, REAL, POS | SET, detector_def, size[1], LENGTH, TINY, BIG, "cm", NULL, "width along y"),
     ROW(DETECTOR_MAP, "nx", NULL, INT, POS, detector_def, nx, COUNT, 1, 1e9, NULL, NULL, "pixels along x"),

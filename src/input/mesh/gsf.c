@@ -3,7 +3,7 @@
 #include "input/mesh/gsf.h"
 
 #include "base/atomic_file.h"
-#include "input/mesh/binary_inl.h"
+#include "input/mesh/numbers.h"
 
 #include <math.h>
 #include <string.h>
@@ -173,15 +173,15 @@ static cml_status check_order(const struct field *f, const char *data, size_t co
     size_t first = count;
     char name[64], value[80];
     for (size_t i = 0; i < count; i++) {
-        if (is_absurd(cml_binary_real(data + 4 * i, 4, true))) return CML_OK;
-        if (first == count && is_absurd(cml_binary_real(data + 4 * i, 4, false))) first = i;
+        if (is_absurd(cml_number_decode(data + 4 * i, CML_FLOAT, true))) return CML_OK;
+        if (first == count && is_absurd(cml_number_decode(data + 4 * i, CML_FLOAT, false))) first = i;
     }
     if (first == count) return CML_OK;
     const char *at = data + 4 * first;
     snprintf(name, sizeof name, "row %zu, column %zu", first / (size_t)f->xres + 1,
              first % (size_t)f->xres + 1);
-    snprintf(value, sizeof value, "%.4g, or %.4g with its bytes reversed", cml_binary_real(at, 4, false),
-             cml_binary_real(at, 4, true));
+    snprintf(value, sizeof value, "%.4g, or %.4g with its bytes reversed",
+             cml_number_decode(at, CML_FLOAT, false), cml_number_decode(at, CML_FLOAT, true));
     return cml_fail_field(f->err, f->text.path, 0, name, value,
                           "floats with the lowest byte first; these look big-endian");
 }
@@ -212,7 +212,7 @@ static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
     map->dx = f->xreal / f->xres * f->xy_unit;
     map->dy = f->yreal / f->yres * f->xy_unit;
     for (size_t i = 0; i < count; i++)
-        map->h[i] = cml_binary_real(f->text.data + begin + 4 * i, 4, false) * f->z_unit;
+        map->h[i] = cml_number_decode(f->text.data + begin + 4 * i, CML_FLOAT, false) * f->z_unit;
     return f->pixels ? CML_OK : check_heights(f, map);
 }
 

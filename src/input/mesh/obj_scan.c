@@ -2,44 +2,25 @@
  * keeps its length for tinyobjloader. SPDX-License-Identifier: MIT */
 #include "input/mesh/obj_scan.h"
 
+#include "input/mesh/numbers.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-/* A logical line: a line with its continuations, and the number of its first physical line. */
+/* A logical line: a line with its continuations. */
 struct line {
-    const char *path;
-    int number;
     char *text, *end;
 };
 
-/* Cuts the next word off, like cml_text_word, for a line whose blanks are all spaces (make_plain). */
-static char *cut_word(char **cursor)
-{
-    char *word = *cursor + strspn(*cursor, " ");
-    if (!*word) return NULL;
-    char *end = word + strcspn(word, " ");
-    *cursor = *end ? end + 1 : end;
-    *end = '\0';
-    return word;
-}
-
 /* Reads a vertex x y z. A weight or a colour may follow; both are checked, and not used. */
-static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_polygons *scan,
-                              struct cml_error *err)
+static cml_status scan_vertex(struct cml_numbers *in, struct cml_polygons *scan)
 {
-    static const char *const axis[] = {"x of the vertex", "y of the vertex", "z of the vertex"};
-    double p[3];
-    for (int k = 0; k < 3; k++) {
-        const char *word = cut_word(&cursor);
-        if (!word || !cml_parse_double(word, &p[k]))
-            return cml_fail_field(err, line->path, line->number, axis[k], word, "a finite number");
-    }
+    CML_TRY(cml_numbers_take_vertex(in, scan));
     double ignored;
-    for (const char *word = cut_word(&cursor); word; word = cut_word(&cursor))
+    for (const char *word = cml_numbers_word(in); word; word = cml_numbers_word(in))
         if (!cml_parse_double(word, &ignored))
-            return cml_fail_field(err, line->path, line->number, "weight or colour of the vertex", word,
-                                  "a finite number");
-    return cml_polygons_add_vertex(scan, p, line->number, err);
+            return cml_numbers_fail(in, "weight or colour of the vertex", word, "a finite number");
+    return CML_OK;
 }
 
 /* True if the word is v, v/t, v//n or v/t/n with whole numbers; *number becomes v. */
@@ -63,37 +44,31 @@ static bool parse_corner(const char *word, int *number)
 
 /* Checks the number of a corner. It may be relative to the vertices read so far (-1 is the last one); a
  * number beyond these is checked at the end, because its vertex may follow. */
-static cml_status scan_corner(const struct line *line, const char *word, size_t num_vertices,
-                              struct cml_error *err)
+static cml_status scan_corner(const struct cml_numbers *in, const char *word, size_t num_vertices)
 {
     int number = 0;
     if (!parse_corner(word, &number))
-        return cml_fail_field(err, line->path, line->number, "corner of the face", word,
-                              "a vertex number, as in 3, 3/1, 3//2 or 3/1/2");
-    if (number == 0)
-        return cml_fail_field(err, line->path, line->number, "corner of the face", word,
-                              "a vertex number from 1 on");
+        return cml_numbers_fail(in, "corner of the face", word,
+                                "a vertex number, as in 3, 3/1, 3//2 or 3/1/2");
+    if (number == 0) return cml_numbers_fail(in, "corner of the face", word, "a vertex number from 1 on");
     if (number < 0 && (size_t)(-(long)number) > num_vertices)
-        return cml_fail(err, CML_E_INPUT,
-                        "%s:%d: corner of the face = %s (only %zu vertices stand before it)", line->path,
-                        line->number, word, num_vertices);
+        return cml_fail(in->err, CML_E_INPUT,
+                        "%s:%d: corner of the face = %s (only %zu vertices stand before it)", in->text->path,
+                        in->line, word, num_vertices);
     return CML_OK;
 }
 
 /* Counts and checks the corners of a face; tinyobjloader returns their numbers later. */
-static cml_status scan_face(const struct line *line, char *cursor, struct cml_polygons *scan,
-                            struct cml_error *err)
+static cml_status scan_face(struct cml_numbers *in, struct cml_polygons *scan)
 {
     uint32_t corners = 0;
-    for (const char *word = cut_word(&cursor); word; word = cut_word(&cursor)) {
-        CML_TRY(scan_corner(line, word, scan->num_vertices, err));
-        corners++;
-    }
+    for (const char *word = cml_numbers_word(in); word; word = cml_numbers_word(in), corners++)
+        CML_TRY(scan_corner(in, word, scan->num_vertices));
     if (corners < 3)
-        return cml_fail(err, CML_E_INPUT, "%s:%d: the face has %u corners (expected 3 or more)", line->path,
-                        line->number, corners);
+        return cml_fail(in->err, CML_E_INPUT, "%s:%d: the face has %u corners (expected 3 or more)",
+                        in->text->path, in->line, corners);
     scan->num_corners += corners;
-    return cml_polygons_add_face(scan, corners, line->number, err);
+    return cml_polygons_add_face(scan, corners, in->line, in->err);
 }
 
 /* Joins the next line to a vertex or face that ends in a backslash. The characters between become blanks, so
@@ -132,10 +107,11 @@ static void restore_line(const struct cml_text *text, const struct line *line)
 static cml_status scan_line(struct cml_text *text, struct line *line, struct cml_polygons *scan,
                             struct cml_error *err)
 {
+    struct cml_numbers in = {.text = text, .line = text->line, .err = err};
     if (strchr(line->text, '\r'))
         return cml_fail(err, CML_E_INPUT,
                         "%s:%d: a carriage return inside the line (expected line ends LF or CR LF)",
-                        line->path, line->number);
+                        text->path, in.line);
     char *word = line->text + strspn(line->text, " \t\v\f");
     const size_t length = strcspn(word, " \t\v\f\\");
     const bool is_vertex = length == 1 && word[0] == 'v', is_face = length == 1 && word[0] == 'f';
@@ -144,7 +120,8 @@ static cml_status scan_line(struct cml_text *text, struct line *line, struct cml
     } else {
         if (!strchr(word, '#')) join_continuations(text, line);
         make_plain(line);
-        CML_TRY(is_vertex ? scan_vertex(line, word + 1, scan, err) : scan_face(line, word + 1, scan, err));
+        in.cursor = word + 1;
+        CML_TRY(is_vertex ? scan_vertex(&in, scan) : scan_face(&in, scan));
     }
     restore_line(text, line);
     return CML_OK;
@@ -187,8 +164,7 @@ size_t cml_obj_count(const struct cml_text *text)
 cml_status cml_obj_scan_text(struct cml_text *text, struct cml_polygons *scan, struct cml_error *err)
 {
     for (char *start = cml_text_next(text); start; start = cml_text_next(text)) {
-        struct line line = {.path = text->path, .number = text->line, .text = start};
-        line.end = start + strlen(start);
+        struct line line = {start, start + strlen(start)};
         CML_TRY(scan_line(text, &line, scan, err));
     }
     if (scan->num_faces > 0) return CML_OK;

@@ -50,7 +50,6 @@ static bool is_of_media(const char *name)
            (strncmp(name, "flux_body", 9) == 0 && is_ending(name + 9)) || strcmp(name, "side") == 0;
 }
 
-/* True if a column of a sweep's results already has this name; a swept setting must have another one. */
 bool cml_sweep_is_of_results(const char *name)
 {
     for (int t = 0; t < CML_NUM_TOTALS; t++) {
@@ -64,7 +63,6 @@ bool cml_sweep_is_of_results(const char *name)
            strcmp(name, "call") == 0;
 }
 
-/* Replaces each / in a name by _, because / separates groups in HDF5. */
 void cml_sweep_h5_name(char *name)
 {
     while ((name = strchr(name, '/'))) *name = '_';
@@ -157,7 +155,6 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, const int co
     fputc('\n', out);
 }
 
-/* Writes the results of a sweep as a table of comma-separated values, one line for each row of the sweep. */
 cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results *results,
                                struct cml_error *err)
 {

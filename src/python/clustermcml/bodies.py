@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Optional
 
 from . import errors
+from .options import Path
 from .phases import Phase, check_phase
 from .surfaces import Mesh, Rough, check_rough, shortest
 
@@ -64,7 +65,7 @@ class Sphere:
         errors.above_zero("Sphere.r", self.r)
         _check_medium("Sphere", self)
 
-    def line(self, directory: str, stem: str) -> str:
+    def line(self, directory: Path, stem: str) -> str:
         """The line of the `.mci`; writes no file."""
         return "i sphere " + " ".join(map(shortest, (self.x, self.y, self.z, self.r, self.n, self.mua, self.mus, self.g))) + _rough_word(self.rough)
 
@@ -109,7 +110,7 @@ class Cylinder:
         errors.above_zero("Cylinder.r", self.r)
         _check_medium("Cylinder", self)
 
-    def line(self, directory: str, stem: str) -> str:
+    def line(self, directory: Path, stem: str) -> str:
         """The line of the `.mci`; writes no file."""
         ends = (self.x1, self.y1, self.z1, self.x2, self.y2, self.z2, self.r)
         return "i cylinder " + " ".join(map(shortest, (*ends, self.n, self.mua, self.mus, self.g))) + _rough_word(self.rough)
@@ -145,7 +146,7 @@ class Body:
         errors.flag("Body.union", self.union)
         _check_medium("Body", self)
 
-    def line(self, directory: str, stem: str) -> str:
+    def line(self, directory: Path, stem: str) -> str:
         """The line of the `.mci` in that directory; writes DIRECTORY/STEM.obj where the mesh is no file."""
         name, options = self.mesh.words(directory, stem)
         return " ".join(["i", name, *map(shortest, (self.n, self.mua, self.mus, self.g)), *options, *(["union"] if self.union else [])]) + _rough_word(self.rough)

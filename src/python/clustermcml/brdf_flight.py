@@ -5,20 +5,22 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import math
 import os
 import warnings
 from dataclasses import dataclass
-from typing import Any, Iterator, Mapping, Optional, Sequence
+from typing import Any, Mapping, Optional, Sequence
 
 import numpy as np
 
 from . import errors
-from .program import fly, option_words, result_of, scratch_folder
-from .relit import beam_shape, write_relit
+from .fields import Fields
+from .program import ALL, NONE, fly, option_words, scratch_folder
+from .progress import Progress
+from .relit import beam_shape, relit_text
 from .scene import MOST_PHOTONS
+from .sweep import table_text
 
 CONE = 1e-3  # sine of the half-angle of the cone around the mirrored, or refracted, direction that counts as exact
 WIDE = 1e6  # radius of a detector that sees a whole side [cm]
@@ -105,17 +107,11 @@ def _table(setup: Setup, period: Optional[Sequence[float]], detectors: bool) -> 
     return rows
 
 
-@contextlib.contextmanager
-def _flown(setup: Setup, lines: Sequence[str], rows: Sequence[Mapping[str, float]], words: Sequence[str], notes: bool = False) -> Iterator[list[Any]]:
-    """Flies all rows of a sweep and yields the answers of the program in the order of the rows. The files are deleted
-    afterwards."""
-    with scratch_folder() as scratch:
-        path, table = os.path.join(scratch, "scene.mci"), os.path.join(scratch, "sweep.csv")
-        write_relit(setup.path, path, lines)
-        with open(table, "w", encoding="utf-8") as file:
-            file.write("\n".join([",".join(rows[0]), *(",".join(repr(value) for value in row.values()) for row in rows), ""]))
-        told = fly(path, scratch, ["--sweep", table, "--ignore-absorption", *words], None, scratch, len(rows), notes)
-        yield sorted(told, key=lambda one: int(one["row"]))
+def _fly(setup: Setup, lines: Sequence[str], rows: Sequence[Mapping[str, float]], options: Mapping[str, Any], silent: str, folder: Optional[str] = None) -> list[Fields]:
+    """Flies the rows of a table. lines: of the light. folder: for the files of the program, which then flies."""
+    table = table_text([rows[0], *(row.values() for row in rows)])
+    with Progress(None) as progress:
+        return fly(relit_text(setup.path, lines), ["--ignore-absorption", *option_words(options)], progress, table=table, output_dir=folder, silent=silent)
 
 
 def fly_angles(setup: Setup) -> list[list[Any]]:
@@ -137,9 +133,9 @@ def fly_angles(setup: Setup) -> list[list[Any]]:
     found: list[Any] = [None] * len(rows)
     left = list(range(len(rows)))
     while left:
-        with _flown(setup, lines, [{**rows[i], "photons": counts[i]} for i in left], option_words(options), counts == [counts[0]] * len(rows)) as told:
-            for i, one in zip(left, told):
-                found[i] = result_of(one)
+        silent = NONE if counts == [counts[0]] * len(rows) else ALL
+        for i, one in zip(left, _fly(setup, lines, [{**rows[i], "photons": counts[i]} for i in left], options, silent)):
+            found[i] = one.dataset()
         more = {i: _factor(found[i], target) for i in left}
         left = [i for i in left if more[i] > 1]
         counts = [min(int(count * more.get(i, 1)), MOST_PHOTONS) for i, count in enumerate(counts)]
@@ -169,8 +165,9 @@ def fly_packets(setup: Setup, channel: int, angle: int, photons: int, gloss: boo
     numbers.update({layer + ".mua": OPAQUE, layer + ".mus": 0.0} if gloss else {})
     one = dataclasses.replace(setup, angles=setup.angles[angle:angle + 1], sets=[numbers], seed=setup.seed + 1000003 * angle + 500)
     options = {name: value for name, value in setup.options.items() if name != "target_error"}
-    with _flown(one, [beam, f'photons "leave" limit={photons}'], _table(one, period, False), option_words({**options, "photons": photons})) as told:
-        table = read_photons(next(path for path in told[0]["files"] if path.endswith(".photons.h5")))
+    with scratch_folder() as scratch:  # saved packets are a file
+        _fly(setup, [beam, f'photons "leave" limit={photons}'], _table(one, period, False), {**options, "photons": photons}, ALL, scratch)
+        table = read_photons(os.path.join(scratch, "leave-0001.photons.h5"))
     table = table[table["side"] == 1 if setup.back else table["side"] == 2 if gloss else table["side"] != 1]
     flights = table[["ux", "uy", "uz"]].to_numpy(float, copy=True)
     flights[:, 2] *= 1 if setup.back else -1

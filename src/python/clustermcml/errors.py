@@ -5,10 +5,12 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
+import inspect
 import math
 import os
 import re
 import unicodedata
+import warnings
 from typing import Any
 
 import numpy as np
@@ -38,6 +40,14 @@ def _shown(value: object) -> str:
     """
     text = re.sub(r"\s*\n\s*", " ", repr(value))
     return text if isinstance(value, str) or len(text) <= 200 else text[:200] + " ..."
+
+
+def warn(text: str) -> None:
+    """Warns at the line that has called this package."""
+    frame, level = inspect.currentframe(), 1
+    while frame and frame.f_globals.get("__package__") == __package__:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, stacklevel=level)
 
 
 def refuse(name: str, value: object, expected: str) -> InputError:

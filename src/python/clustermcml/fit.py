@@ -14,7 +14,7 @@ import dataclasses
 import os
 import re
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Union, cast
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -22,13 +22,15 @@ import numpy.typing as npt
 from . import errors
 from .command_line import picture_name
 from .commands import check
+from .fields import Fields
 from .integrating_sphere import SphereScene, sphere_scene
 from .least_squares import TINY, correlation, jacobian, lagrange, minimum, root, start, unlikely
-from .mco import read_mco
 from .measured import PROFILES, SPHERES, TOTALS, Data, read_measured
 from .options import FitOptions, Path, shown
-from .program import fly, option_words, scene_file, scratch_folder
-from .scene import Scene
+from .program import fly, option_words, scratch_folder
+from .progress import Progress
+from .scene import Scene, Text
+from .sweep import table_text
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -184,18 +186,6 @@ class _Anchor:
     covariance: Any  # covariance of the noise of the numbers
 
 
-def _bins(told: Mapping[str, Any], wanted: list[str]) -> Any:
-    """Reads the wanted arrays of a row and its axes r and alpha. Other arrays are skipped, because a flight has many rows."""
-    h5 = next((path for path in told["files"] if path.endswith(".h5")), None)
-    names = [*wanted, "r", "alpha"]
-    if h5 is None:
-        result = read_mco(told["files"][0])
-        return {name: result[name].values for name in names if name in result}
-    import h5py
-    with h5py.File(h5, "r", locking=False) as file:
-        return {name: file[name][()] for name in names if name in file}
-
-
 def _measures(data: Data, result: Any) -> Any:
     """Returns the factors that turn measured numbers into shares of the launched light: areas of rings, or solid angles."""
     def of(name: str) -> Any:
@@ -227,59 +217,59 @@ def _noise(data: Data, model: Any, sigma: Any, measures: Any, told: Mapping[str,
     return covariance / np.outer(measures, measures)
 
 
-def _numbers(data: Data, told: Mapping[str, Any], result: Any) -> tuple[Any, Any]:
+def _numbers(data: Data, told: Mapping[str, Any]) -> tuple[Any, Any]:
     """Returns the model's numbers in one row, and their errors."""
     def of(name: str) -> Any:
         if name not in PROFILES:
             return told["Rsp"] + told["Rd"] if name == "R" else told[name]
-        given, there = data.sizes[name], result[name].size
+        given, there = data.sizes[name], told[name].size
         if given != there:
             raise errors.refuse(f"measured[{name!r}]", f"{given} values", f"{there}, as many as the scene has bins, nan where nothing is known")
-        return result[name]
+        return told[name]
 
     def error_of(name: str) -> Any:
-        return told["Rd_se" if name == "R" else name + "_se"] if name not in PROFILES else result[name + "_se"]
+        return told["Rd_se" if name == "R" else name + "_se"]
     return data.pick(of), data.pick(error_of)
 
 
-def _fly_rows(scene: Union[Scene, SphereScene, Path], words: Callable[[str], list[str]], rows: int, options: Mapping[str, Any],
-              read: Callable[[Mapping[str, Any]], Any]) -> list[tuple[Mapping[str, Any], Any]]:
-    """Flies all rows. Returns, for each, the answer of the program and what `read` finds in its files. words: function that
-    writes files into a folder and returns the options that name them."""
+def _numbers_of(data: Data) -> list[str]:
+    """Returns the names of the arrays that a fit to the data reads, without slopes."""
+    return [name + end for name in ("Rsp", "Rd", "Tt", "A", *data.names) for end in ("", "_se")] + ["r", "alpha"] * bool(data.profiles())
+
+
+def _row(found: Fields) -> dict[str, Any]:
+    """Returns the values of all arrays of a row, its photons and its seed."""
+    return {**{name: one.values for name, one in found.held.items()}, "photons": found.attrs["photons"], "seed": found.attrs["seed"]}
+
+
+def _fly_rows(scene: Union[Scene, SphereScene, Text, Path], words: Sequence[str], table: str, options: Mapping[str, Any], names: Sequence[str]) -> list[dict[str, Any]]:
+    """Flies all rows of a table, or the scene where it is "", and returns their values by name. words: further options. names: of the arrays to read."""
     if isinstance(scene, SphereScene):
-        return cast("list[tuple[Mapping[str, Any], Any]]", scene.rows(_fly_rows, _bins, words, rows, options, read))
-    with scratch_folder() as scratch, scene_file(scene, scratch) as file:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", ".*effective packets")  # silent, because most rows are far from the solution and their noise does not matter
-            warnings.filterwarnings("ignore", ".* counts from above")  # the user chose parameters by name, and has counted layers already
-            said = fly(file, scratch, [*words(scratch), *option_words(options, FitOptions)], False, scratch, rows)
-        if said[0]["photons"] < BATCHES:
-            raise errors.refuse("photons", said[0]["photons"], f"at least {BATCHES}: errors come of so many batches")
-        return [(row, read(row)) for row in sorted(said, key=lambda row: int(row["row"] or 0))]
+        return scene.rows(_fly_rows, words, table, options, names)
+    shown = options["progress"]
+    silent = "effective packets|counts from above"  # most rows are far from the solution and their noise does not matter; the user chose parameters by name
+    given = option_words({name: value for name, value in options.items() if name != "progress"}, FitOptions)
+    shown.begin("flight")
+    rows = [_row(row) for row in fly(scene, [*words, *given], shown, table=table, silent=silent, names=names)]
+    if rows[0]["photons"] < BATCHES:
+        raise errors.refuse("photons", rows[0]["photons"], f"at least {BATCHES}: errors come of so many batches")
+    return rows
 
 
 def _fly(scene: Union[Scene, SphereScene, Path], grids: Mapping[str, Any], mus: Mapping[str, float], data: Data, options: Mapping[str, Any]) -> _Flight:
     """Flies a sweep over the grids of mua at one set of mus. Returns what was measured of it, at each point of the grids."""
-    columns = [*grids, *mus]
     rows = [[*row, *mus.values()] for row in np.stack(np.meshgrid(*map(np.exp, grids.values()), indexing="ij"), -1).reshape(-1, len(grids))] \
         if grids else [list(mus.values())]
-
-    def table(folder: str) -> list[str]:
-        path = os.path.join(folder, "sweep.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(",".join(columns) + "\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows))
-        return ["--sweep", path, "--reweight", "--ignore-absorption"]
-    told = _fly_rows(scene, table, len(rows), options, lambda row: _bins(row, [word for name in data.profiles() for word in (name, name + "_se")]))
-    numbers = [_numbers(data, row, result) for row, result in told]
+    told = _fly_rows(scene, ["--reweight", "--ignore-absorption"], table_text([[*grids, *mus], *rows]), options, _numbers_of(data))
+    numbers = [_numbers(data, row) for row in told]
     shape = tuple(len(grid) for grid in grids.values())
 
     def covariance(place: tuple[int, ...]) -> Any:
         index = int(np.ravel_multi_index(place, shape)) if shape else 0
-        row, result = told[index]
-        return _noise(data, *numbers[index], _measures(data, result), row, row["photons"])
+        return _noise(data, *numbers[index], _measures(data, told[index]), told[index], told[index]["photons"])
     logs = np.log(np.maximum([model for model, _ in numbers], TINY))
-    return _Flight(np.log(list(mus.values())), logs.reshape(*shape, -1), covariance, told[0][0]["seed"],
-                   {name: told[0][1]["r" if name.endswith("_r") else "alpha"][data.bins(name)] for name in data.profiles()})
+    return _Flight(np.log(list(mus.values())), logs.reshape(*shape, -1), covariance, told[0]["seed"],
+                   {name: told[0]["r" if name.endswith("_r") else "alpha"][data.bins(name)] for name in data.profiles()})
 
 
 def _slope(name: str, kind: str) -> str:
@@ -289,11 +279,10 @@ def _slope(name: str, kind: str) -> str:
 def _anchor(scene: Union[Scene, SphereScene, Path], names: list[str], u: Any, data: Data, options: Mapping[str, Any]) -> _Anchor:
     """Flies the scene at the parameters exp(u) with derivatives. Returns the logarithm of the model there, its slopes by u, and the noise of both."""
     kinds = list(dict.fromkeys(name[-3:] for name in names))
-    slopes = [_slope(name, kind) for name in dict.fromkeys(data.names) if name not in TOTALS for kind in kinds]
+    slopes = [_slope(name, kind) for name in dict.fromkeys(data.names) for kind in kinds]
     fixed = {**options, "set": {**(options.get("set") or {}), **dict(zip(names, map(float, np.exp(u))))}}
-    ((row, result),) = _fly_rows(scene, lambda _: ["--derivatives"], 0, fixed,
-                             lambda row: _bins(row, [word for name in data.profiles() + slopes for word in (name, name + "_se")]))
-    model, sigma = _numbers(data, row, result)
+    (row,) = _fly_rows(scene, ["--derivatives"], "", fixed, ["A_l", *_numbers_of(data), *(name + end for name in slopes for end in ("", "_se"))])
+    model, sigma = _numbers(data, row)
 
     def column(parameter: str, suffix: str) -> Any:
         """Returns derivatives by one parameter, or their errors; NaN if unknown."""
@@ -301,14 +290,13 @@ def _anchor(scene: Union[Scene, SphereScene, Path], names: list[str], u: Any, da
         k = int(re.sub("[a-z]*", "", place)) - 1 + (len(row["A_l"]) if place.startswith("body") else 0)
 
         def of(name: str) -> Any:
-            word = _slope(name, kind) + suffix
-            return np.array(row[word][k], dtype=float) if name in TOTALS else result[word][..., k]
+            return row[_slope(name, kind) + suffix][..., k]
         return data.pick(of)
     known = np.maximum(model, TINY)
     turns, noise = (np.stack([column(name, suffix) for name in names], axis=1) * np.exp(u) / known[:, None] for suffix in ("", "_se"))
     told = np.isfinite(turns) & (noise > 0)
     return _Anchor(u, np.log(known), np.where(told, turns, 0), np.where(told, noise, np.inf),
-                   _noise(data, model, sigma, _measures(data, result), row, row["photons"]))
+                   _noise(data, model, sigma, _measures(data, row), row, row["photons"]))
 
 
 class _Model:
@@ -470,7 +458,8 @@ def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data
 
 @shown
 def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]], measured: Mapping[str, Any], *, media: Optional[Callable[..., Media]] = None,
-        wavelengths: Optional[npt.ArrayLike] = None, sphere: Optional[Mapping[str, Any]] = None, flights: int = 6, **options: Unpack[FitOptions]) -> Fit:
+        wavelengths: Optional[npt.ArrayLike] = None, sphere: Optional[Mapping[str, Any]] = None, flights: int = 6, progress: Optional[bool] = None,
+        **options: Unpack[FitOptions]) -> Fit:
     """Fits absorption and scattering of layers and bodies, or parameters of media over wavelength, to measurements, by least squares.
 
     Args:
@@ -484,6 +473,7 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
         wavelengths: Rising wavelengths [nm] of the data; with media.
         sphere: Arguments of `mc.sphere` that describe the instrument: {"port": 0.5, "radius": 5, "wall": 0.97, "standard": 0.99}.
         flights: Most flights; with media, most rounds of flights at all wavelengths.
+        progress: As of `run`.
         **options: As of `run`: photons=1e5, seed=2. More photons lessen the model's own noise, which is part of the errors.
 
     Returns:
@@ -499,12 +489,15 @@ def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]]
         if sphere is not None:
             raise errors.refuse("sphere", sphere, "none beside media")
         from .spectrum_fit import fit_spectrum
-        return fit_spectrum(scene, parameters, measured, media, wavelengths, flights, options)
+        with Progress(progress) as shown_progress:
+            return fit_spectrum(scene, parameters, measured, media, wavelengths, flights, {**options, "progress": shown_progress})
     mua, mus, limits = _bounds(parameters)
     data = read_measured(measured, scene)
     most = errors.whole("flights", flights, len(mus) + 1, 1000)
     flown = sphere_scene(scene, [name for name in SPHERES if name in measured], sphere) if sphere or {*SPHERES} & {*measured} else scene
-    return _fit_coefficients(flown, _numbered(scene, mua + mus), mua, mus, limits, data, most, options)
+    numbered = _numbered(scene, mua + mus)
+    with Progress(progress) as shown_progress:
+        return _fit_coefficients(flown, numbered, mua, mus, limits, data, most, {**options, "progress": shown_progress})
 
 
 def _fit_coefficients(scene: Union[Scene, SphereScene, Path], numbered: list[str], mua: list[str], mus: list[str],

@@ -5,7 +5,6 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence, Union
 
@@ -15,7 +14,7 @@ from . import errors
 from .options import Path
 from .program import scratch_folder
 from .relit import light_lines, relit_text, scene_path, told_of
-from .scene import Scene
+from .scene import Scene, Text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -182,32 +181,26 @@ class SphereScene:
     light of each sphere, by name."""
 
     instrument: Instrument
-    texts: dict[str, str]
+    texts: dict[str, Text]
     measured: Sequence[str]
 
-    def rows(self, fly: Callable[..., Any], bins: Callable[..., Any], words: Any, rows: int, options: Mapping[str, Any], read: Any) -> Any:
+    def rows(self, fly: Callable[..., list[dict[str, Any]]], words: Sequence[str], table: str, options: Mapping[str, Any], names: Sequence[str]) -> list[dict[str, Any]]:
         """Flies all scenes, and returns the rows of the first with M_R and M_T, their errors, and their derivatives where they are known."""
-        def of(light: str) -> Any:
+        own = [f"detector_sphere_{SIDES[name][0]}{kind}{end}" for name in self.measured for kind in ("", "_dmua", "_dmus") for end in ("", "_se")]
+
+        def of(light: str) -> list[dict[str, Any]]:
             fixed = {key: value for key, value in (options.get("set") or {}).items() if not (light and key.startswith("beam"))}
-            names = [f"detector_sphere_{SIDES[name][0]}_d{kind}{end}" for name in self.measured for kind in ("mua", "mus") for end in ("", "_se")]
-            with scratch_folder() as folder:
-                path = os.path.join(folder, "scene.mci")
-                with open(path, "w", encoding="utf-8", errors="surrogateescape") as file:
-                    file.write(self.texts[light])
-                return fly(path, words, rows, {**options, "set": fixed}, lambda row: {**(read(row) if not light else {}), **bins(row, names)})
+            return fly(self.texts[light], words, table, {**options, "set": fixed}, [*names, *own])
         flown = {light: of(light) for light in self.texts}
-        found = []
-        for i, (row, result) in enumerate(flown[""]):
-            row, result = {**row}, {**result}
+        for i, row in enumerate(flown[""]):
             for name in self.measured:
                 seen = "detector_sphere_" + SIDES[name][0]
-                other, others = flown[name][i] if name in flown else ({seen: 0.0, seen + "_se": 0.0}, {})
+                other = flown[name][i] if name in flown else {seen: 0.0, seen + "_se": 0.0}
                 row[name], row[name + "_se"] = self.instrument.reading(name, row[seen], row[seen + "_se"], other[seen], other[seen + "_se"])
-                for kind in (kind for kind in ("_dmua", "_dmus") if seen + kind in result):
-                    turn, noise = (self.instrument.slope(name, row[seen], result[seen + kind + end], other[seen], others.get(seen + kind + end, 0.0)) for end in ("", "_se"))
-                    result[name + kind], result[name + kind + "_se"] = turn, noise
-            found.append((row, result))
-        return found
+                for kind in (kind for kind in ("_dmua", "_dmus") if seen + kind in row):
+                    row[name + kind], row[name + kind + "_se"] = (
+                        self.instrument.slope(name, row[seen], row[seen + kind + end], other[seen], other.get(seen + kind + end, 0.0)) for end in ("", "_se"))
+        return flown[""]
 
 
 def sphere_scene(scene: Union[Scene, Path], measured: Sequence[str], sphere: Any) -> SphereScene:

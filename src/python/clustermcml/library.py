@@ -1,6 +1,6 @@
 """Flies scenes in this process, by libclustermcml: no program is started, and no file is written.
 
-The library stands beside the program. Without it, and for all that it lacks (files, checkpoints), `run` and `sweep` start the program.
+The library stands beside the program. Without it, and for all that it lacks (files, checkpoints), flights are the program's.
 
 SPDX-License-Identifier: MIT
 """
@@ -13,8 +13,7 @@ import glob
 import json
 import os
 import threading
-import warnings
-from typing import Any, Callable, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Iterator, Optional, Sequence, Union
 
 import numpy as np
 
@@ -23,10 +22,11 @@ from .fields import MEASURED, WHOLE, Field, Fields
 from .progress import Progress
 
 API = 1  # CLM_API of clustermcml.h
-OPTIONS = frozenset(("photons set derivatives seed target_error error_of sampling roulette aim ignore_absorption no_reentry ignore_heightfields boundaries "
-                     "tolerance mesh_budget normals rings mesh_search engine threads chunk device group build_options").split())
+OPTIONS = frozenset(("--photons --set --derivatives --seed --target-error --error-of --sampling --roulette --aim --ignore-absorption --no-reentry --ignore-heightfields "
+                     "--boundaries --tolerance --mesh-budget --normals --rings --mesh-search --engine --threads --chunk --device --group --build-options --reweight").split())
 LAUNCHED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
 _Progress = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint64, ctypes.c_double)
+_Row = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
 _Note = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p)
 
 
@@ -60,9 +60,10 @@ def _load(program: str) -> Optional[ctypes.CDLL]:
     return library
 
 
-def find(program: str, options: Mapping[str, object]) -> Optional[ctypes.CDLL]:
-    """Returns the library beside the program. None: the program must fly, for the options or because a launcher of MPI has started this process."""
-    wanted = {name for name, value in options.items() if value is not None and value is not False}
+def find(program: str, words: Sequence[str]) -> Optional[ctypes.CDLL]:
+    """Returns the library beside the program. None: the program must fly, for an option among the words of its command line, or because a launcher of
+    MPI has started this process."""
+    wanted = {word for word in words if word.startswith("--")}
     return _load(program) if wanted <= OPTIONS and not any(name in os.environ for name in LAUNCHED) else None
 
 
@@ -101,13 +102,15 @@ def _apart(work: Callable[[], None], cancelled: threading.Event) -> None:
 
 
 class Scene:
-    """A scene file with one run, in the library.
+    """A scene with one run, in the library.
 
-    words: options of the command line. renamed: makes messages of the library those of the caller."""
+    path: of its file. text: what the file would hold; None: it is read. words: options of the command line, for all flights. renamed: makes a message of
+    the library one of the caller's; "" hides a note."""
 
-    def __init__(self, library: ctypes.CDLL, path: str, words: Sequence[str], renamed: Callable[[str], str]) -> None:
-        self.dll, self.renamed, self.scene = library, renamed, ctypes.c_void_p()
-        self._call(library.clm_scene_open, os.fsencode(path), _words(words), ctypes.byref(self.scene))
+    def __init__(self, library: ctypes.CDLL, path: str, text: Optional[str], words: Sequence[str], renamed: Callable[[str], str]) -> None:
+        self.dll, self.renamed, self.scene, name = library, renamed, ctypes.c_void_p(), os.fsencode(path)
+        where = (library.clm_scene_open, name) if text is None else (library.clm_scene_parse, text.encode("utf-8", "surrogateescape"), os.path.dirname(name))
+        self._call(*where, _words(words), ctypes.byref(self.scene))
         runs = library.clm_scene_runs(self.scene)
         if runs != 1:
             self.__exit__()
@@ -130,14 +133,14 @@ class Scene:
             ended.append((function(*arguments), _text(self.dll.clm_error())))
             self.dll.clm_on_note(None, None)
         _apart(work, cancelled) if cancelled else work()
-        for note in notes:
-            warnings.warn(self.renamed(note), stacklevel=5)
+        for note in filter(None, map(self.renamed, notes)):
+            errors.warn(note)
         status, text = ended[0]
         if status:
             raise errors.InputError(self.renamed(text)) if status == 2 else errors.ClustermcmlError(self.renamed(text), status)
 
-    def fly(self, words: Sequence[str], progress: Progress) -> Fields:
-        """Flies the scene. words: further options of this flight."""
+    def fly(self, words: Sequence[str], progress: Progress, names: Optional[Sequence[str]] = None) -> Fields:
+        """Flies the scene. words: further options of this flight. names: of the arrays that are wanted; None: all."""
         run, cancelled = ctypes.c_void_p(), threading.Event()
 
         def show(_: object, done: int, total: int, seconds: float) -> int:
@@ -149,9 +152,36 @@ class Scene:
         try:
             self.dll.clm_run_on_progress(run, shown, None)
             self._call(self.dll.clm_run_fly, run, ctypes.c_uint64(0), cancelled=cancelled)
-            return _fields(self.dll, run)
+            return _fields(self.dll, run, names)
         finally:
             self.dll.clm_run_free(run)
+
+    def sweep(self, table: str, keep: Callable[[Fields], Fields], progress: Progress, names: Optional[Sequence[str]] = None) -> list[Fields]:
+        """Flies the rows of a table, the text of a file of --sweep, and returns what `keep` makes of each. An exception there ends the sweep."""
+        rows, cancelled = table.count("\n") - 1, threading.Event()
+        found: dict[int, Fields] = {}
+        failed: list[BaseException] = []
+
+        def show(_: object, done: int, total: int, __: float) -> int:
+            if 0 < done < total:
+                progress.show(100 * (len(found) * total + done) // (rows * total), f"{len(found)} of {rows} rows")
+            return cancelled.is_set()
+
+        def take(_: object, row: int, run: int) -> int:
+            try:
+                found[row] = keep(_fields(self.dll, ctypes.c_void_p(run), names))
+                progress.show(100 * len(found) // rows, f"{len(found)} of {rows} rows")
+            except BaseException as error:  # pylint: disable=broad-except # no exception passes through the library
+                failed.append(error)
+            return bool(failed) or cancelled.is_set()
+        try:
+            self._call(self.dll.clm_scene_sweep, self.scene, None, table.encode(), _Progress(show), _Row(take), None, cancelled=cancelled)
+        except errors.ClustermcmlError:
+            if not failed:
+                raise
+        if failed:
+            raise failed[0]
+        return [found[row] for row in sorted(found)]
 
 
 def _values(array: _Array, pointer: Any) -> Any:
@@ -160,18 +190,30 @@ def _values(array: _Array, pointer: Any) -> Any:
     return values.reshape(shape).astype(np.float32 if array.single else np.float64)
 
 
-def _fields(library: ctypes.CDLL, run: ctypes.c_void_p) -> Fields:
-    """Returns all arrays and attributes of a run, as read_h5 returns them from its file, and how long it took."""
-    array, held = _Array(), {}
+def _arrays(library: ctypes.CDLL, run: ctypes.c_void_p, names: Optional[Sequence[str]]) -> Iterator[_Array]:
+    """Yields the arrays of these names that there are, and their axes. None: all."""
+    array = _Array()
     i = 0
-    while library.clm_run_item(run, i, ctypes.byref(array)) == 0:
+    while names is None and library.clm_run_item(run, i, ctypes.byref(array)) == 0:
+        yield array
+        i += 1
+    left = [*dict.fromkeys(names or ())]
+    for name in left:
+        if library.clm_run_array(run, name.encode(), ctypes.byref(array)) == 0:
+            left += [axis for axis in map(_text, array.axis[:array.num_axes]) if axis not in left]
+            yield array
+
+
+def _fields(library: ctypes.CDLL, run: ctypes.c_void_p, names: Optional[Sequence[str]]) -> Fields:
+    """Returns arrays and the attributes of a run, as read_h5 returns them from its file, and how long it took."""
+    held = {}
+    for array in _arrays(library, run, names):
         name, dims = _text(array.name), tuple(map(_text, array.axis[:array.num_axes]))
         about = {"units": _text(array.units), "long_name": _text(array.meaning)}
         held[name] = Field(_values(array, array.value), dims, about)
         if array.error:
             held[name + "_se"] = Field(_values(array, array.error), dims, {**about, "long_name": "standard error"})
             about["ancillary_variables"] = name + "_se"
-        i += 1
     attributes: dict[str, Union[str, float]] = {}
     key, text, number = ctypes.c_char_p(), ctypes.c_char_p(), ctypes.c_double()
     while library.clm_run_attribute(run, len(attributes), ctypes.byref(key), ctypes.byref(text), ctypes.byref(number)) == 0:

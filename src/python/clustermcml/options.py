@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import inspect
 import os
-from typing import Any, Callable, Literal, Mapping, Sequence, TypedDict, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Callable, Literal, Mapping, Optional, Sequence, TypedDict, TypeVar, Union
+
+if TYPE_CHECKING:
+    from .top import Face
 
 Path = Union[str, os.PathLike[str]]
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -103,6 +106,14 @@ class FitOptions(_Photons, total=False):
 
 class SweepOptions(RunOptions, total=False):
     reweight: bool
+
+
+class ProbeOptions(TypedDict, total=False):
+    fill: Optional[float]
+    face: Optional[Face]
+    lit: Sequence[int]
+    read: Optional[Sequence[int]]
+    group: Optional[str]
 
 
 def shown(function: Function) -> Function:

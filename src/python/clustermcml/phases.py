@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import errors
+from .options import Path
 from .surfaces import shortest
 
 NUMBERS = {"hg2": ("g1", "g2", "w"), "mhg": ("g", "w"), "gk": ("g", "a"), "rayleigh": (), "table": ()}
@@ -68,7 +69,7 @@ class Phase:
             if errors.array("Phase.densities", self.densities, "iuf", expected).shape != angles.shape:
                 raise errors.refuse("Phase.densities", self.densities, expected)
 
-    def line(self, directory: str, stem: str) -> str:
+    def line(self, directory: Path, stem: str) -> str:
         """Returns the line for a `.mci` in that directory. Writes DIRECTORY/STEM.phase.txt if the table is given as arrays."""
         if self.kind != "table":
             return " ".join(["phase", self.kind, *(shortest(getattr(self, name)) for name in NUMBERS[self.kind])])

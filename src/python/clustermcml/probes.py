@@ -7,12 +7,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Sequence
 
 from . import errors
 from .detectors import Detector
+from .options import ProbeOptions, shown
 from .scene import Beam
 from .top import Face, Port, Top
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 MOST_FIBRES = 400
 
@@ -59,7 +63,13 @@ class Fibre:
 class Probe:
     """A probe of equal fibres that touches the layers. The cores are ports named f0, f1, f2 ...
 
-    Make one with `Probe.six_around_one`, `Probe.ring` or `Probe.linear`, and give its lists to a `Scene`.
+    Make one with `Probe.six_around_one`, `Probe.ring` or `Probe.linear`, and give its lists to a `Scene`. Options of all three:
+
+    - `fill`: refractive index of the epoxy, a disk or rectangle around all fibres; default: no epoxy.
+    - `face`: a `Face` below all, such as steel; default: none.
+    - `lit`: numbers of the fibres that bring light; default (0,).
+    - `read`: numbers of the fibres that collect light; default: all that are not lit.
+    - `group`: name of the sum of all that is collected, `detector_GROUP` in results; default: no sum.
 
     Attributes:
         top: List of Face and Port, for `Scene.top`.
@@ -79,25 +89,21 @@ class Probe:
     detectors: list[Detector] = field(default_factory=list)
 
     @classmethod
-    def six_around_one(cls, fibre: Fibre, spacing: Optional[float] = None, fill: Optional[float] = None, face: Optional[Face] = None,
-                       lit: Sequence[int] = (0,), read: Optional[Sequence[int]] = None, group: Optional[str] = None) -> "Probe":
+    @shown
+    def six_around_one(cls, fibre: Fibre, spacing: Optional[float] = None, **options: Unpack[ProbeOptions]) -> "Probe":
         """Six fibres, f1 to f6, around f0.
 
         Args:
             fibre: The fibre.
             spacing: Distance of neighbours from middle to middle [cm]; None lets them touch.
-            fill: Refractive index of the epoxy, a disk around all fibres; None leaves the epoxy out.
-            face: Face below all, such as steel.
-            lit: Numbers of the fibres that bring light.
-            read: Numbers of the fibres that collect light; None stands for all that are not lit.
-            group: Name of the sum of all that is collected, `detector_GROUP`; None is no sum.
+            **options: fill, face, lit, read and group of `Probe`.
         """
         _check_fibre(fibre)
-        return cls.ring(fibre, 2 * fibre.outer() * (1 + 1e-9) if spacing is None else spacing, 6, True, fill, face, lit, read, group)
+        return cls.ring(fibre, 2 * fibre.outer() * (1 + 1e-9) if spacing is None else spacing, **options)
 
     @classmethod
-    def ring(cls, fibre: Fibre, radius: float, count: int = 6, centre: bool = True, fill: Optional[float] = None, face: Optional[Face] = None,
-             lit: Sequence[int] = (0,), read: Optional[Sequence[int]] = None, group: Optional[str] = None) -> "Probe":
+    @shown
+    def ring(cls, fibre: Fibre, radius: float, count: int = 6, centre: bool = True, **options: Unpack[ProbeOptions]) -> "Probe":
         """Fibres on a circle, the first of them on the x axis, and f0 in the middle.
 
         Args:
@@ -105,43 +111,35 @@ class Probe:
             radius: Radius of the circle through the middles of the fibres [cm].
             count: Number of fibres on the circle.
             centre: Whether f0 is in the middle; otherwise f0 is the first on the circle.
-            fill: Refractive index of the epoxy, a disk around all fibres; None leaves the epoxy out.
-            face: Face below all, such as steel.
-            lit: Numbers of the fibres that bring light.
-            read: Numbers of the fibres that collect light; None stands for all that are not lit.
-            group: Name of the sum of all that is collected, `detector_GROUP`; None is no sum.
+            **options: fill, face, lit, read and group of `Probe`.
         """
         _check_fibre(fibre)
         errors.above_zero("radius", radius)
         turns = [2 * math.pi * i / count for i in range(errors.whole("count", count, 1, MOST_FIBRES))]
         errors.flag("centre", centre)
         places = [(0.0, 0.0)] * centre + [(_cut(radius * math.cos(turn)), _cut(radius * math.sin(turn))) for turn in turns]
-        return cls._made(fibre, places, {"shape": "disk", "radius": radius + fibre.outer()}, fill, face, lit, read, group)
+        return cls._made(fibre, places, {"shape": "disk", "radius": radius + fibre.outer()}, **options)
 
     @classmethod
-    def linear(cls, fibre: Fibre, places: Sequence[float], fill: Optional[float] = None, face: Optional[Face] = None, lit: Sequence[int] = (0,),
-               read: Optional[Sequence[int]] = None, group: Optional[str] = None) -> "Probe":
+    @shown
+    def linear(cls, fibre: Fibre, places: Sequence[float], **options: Unpack[ProbeOptions]) -> "Probe":
         """Fibres in a row along x.
 
         Args:
             fibre: The fibre.
             places: x of f0, f1 ... [cm].
-            fill: Refractive index of the epoxy, a rectangle around all fibres; None leaves the epoxy out.
-            face: Face below all, such as steel.
-            lit: Numbers of the fibres that bring light.
-            read: Numbers of the fibres that collect light; None stands for all that are not lit.
-            group: Name of the sum of all that is collected, `detector_GROUP`; None is no sum.
+            **options: fill, face, lit, read and group of `Probe`.
         """
         _check_fibre(fibre)
         if not isinstance(places, (list, tuple)) or not 1 <= len(places) <= MOST_FIBRES:
             raise errors.refuse("places", places, f"a list of 1 to {MOST_FIBRES} numbers")
         xs = [errors.finite("places", x) for x in places]
         size = {"width": max(xs) - min(xs) + 2 * fibre.outer(), "height": 2 * fibre.outer(), "at": ((max(xs) + min(xs)) / 2, 0.0)}
-        return cls._made(fibre, [(x, 0.0) for x in xs], {"shape": "rectangle", **size}, fill, face, lit, read, group)
+        return cls._made(fibre, [(x, 0.0) for x in xs], {"shape": "rectangle", **size}, **options)
 
     @classmethod
-    def _made(cls, fibre: Fibre, places: Sequence[tuple[float, float]], around: dict[str, Any], fill: Optional[float], face: Optional[Face],
-              lit: Sequence[int], read: Optional[Sequence[int]], group: Optional[str]) -> "Probe":
+    def _made(cls, fibre: Fibre, places: Sequence[tuple[float, float]], around: dict[str, Any], fill: Optional[float] = None, face: Optional[Face] = None,
+              lit: Sequence[int] = (0,), read: Optional[Sequence[int]] = None, group: Optional[str] = None) -> "Probe":
         """Returns the probe of fibres at these places. around: shape of the epoxy."""
         nearest = min((math.dist(a, b) for i, a in enumerate(places) for b in places[:i]), default=math.inf)
         if nearest < 2 * fibre.outer() * (1 - 1e-9):  # touching is allowed

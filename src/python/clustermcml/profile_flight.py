@@ -7,15 +7,17 @@ from __future__ import annotations
 
 import math
 import os
-import warnings
 from dataclasses import dataclass
 from typing import Any, Mapping, Optional, Sequence
 
 import numpy as np
 
 from . import errors
-from .program import fly, option_words, result_of, scratch_folder
+from .fields import Fields
+from .program import ALL, fly, option_words, scratch_folder
+from .progress import Progress
 from .relit import relit_text
+from .scene import Text
 
 BINS = 400
 INSIDE = 0.999  # share of the pilot's light within the bins
@@ -81,30 +83,28 @@ class Target:
         return (np.stack([x, y], axis=1) + draw.random((SIDE * SIDE, 2))) / SIDE * np.asarray(self.period)
 
 
-def _fly(target: Target, lines: Sequence[str], grid: tuple[float, int], photons: int, seed: int, scratch: str) -> dict[str, Any]:
-    """Flies the scene with other lines for its light, and returns the program's answer. grid: dr and nr."""
+def _fly(target: Target, lines: Sequence[str], grid: tuple[float, int], photons: int, seed: int, folder: Optional[str] = None) -> Fields:
+    """Flies the scene with other lines for its light. grid: dr and nr. folder: for the files of the program, which then flies."""
     text = relit_text(target.path, lines).split("\n")
     head = 3 + len(lines)
     text[2], text[head + 1], text[head + 2] = "scene.h5 B", f"1 {grid[0]!r}", f"1 {grid[1]} 1"
-    path = os.path.join(scratch, "scene.mci")
-    with open(path, "w", encoding="utf-8", errors="surrogateescape") as file:
-        file.write("\n".join(text))
-    return fly(path, scratch, target.words(photons, seed), None, scratch, notes=False)[0]
+    with Progress(None) as progress:
+        return fly(Text("\n".join(text)), target.words(photons, seed), progress, output_dir=folder, silent=ALL)[0]
 
 
-def fly_packets(target: Target, photons: int, seed: int) -> tuple[Any, Any, Any, dict[str, Any], Any]:
+def fly_packets(target: Target, photons: int, seed: int) -> tuple[Any, Any, Any, Fields]:
     """Flies packets and returns those that leave upward from inside: distance [cm] from the pencil, weight, and number of the
-    pencil. The program's answer and the result follow."""
+    pencil. The result follows."""
     from .photons import read_photons
     places = target.places(seed)
     lines = [f"beam pencil at={x!r},{y!r}{LIGHT[target.light]}" for x, y in places.tolist()] + [f'photons "leave" limit={photons}']
-    with scratch_folder() as scratch:
-        told = _fly(target, lines, (1.0, 1), photons, seed, scratch)
-        table, result = read_photons(os.path.join(scratch, "leave.photons.h5")), result_of(told)
+    with scratch_folder() as scratch:  # saved packets are a file
+        result = _fly(target, lines, (1.0, 1), photons, seed, scratch)
+        table = read_photons(os.path.join(scratch, "leave.photons.h5"))
     table = table[table["side"] == 0]
     place = table.index.to_numpy() >> 48 if len(places) > 1 else np.zeros(len(table), int)
     offset = table[["x", "y"]].to_numpy(float) - places[place]
-    return np.hypot(offset[:, 0], offset[:, 1]), table["weight"].to_numpy(float), place, told, result
+    return np.hypot(offset[:, 0], offset[:, 1]), table["weight"].to_numpy(float), place, result
 
 
 def bin_width(target: Target, seed: int) -> float:
@@ -119,16 +119,14 @@ def bin_width(target: Target, seed: int) -> float:
 
 
 def _fly_planes(target: Target, width: float, bins: int, photons: int, seed: int) -> Flight:
-    with scratch_folder() as scratch:
-        told = _fly(target, ["beam pencil" + LIGHT[target.light]], (width, bins + 1), photons, seed, scratch)
-        result = result_of(told)
+    result = _fly(target, ["beam pencil" + LIGHT[target.light]], (width, bins + 1), photons, seed)
     area = 2 * np.pi * (np.arange(bins + 1) + 0.5) * width**2
     return Flight(photons, result["Rd_r"].values * area, result["Rd_r_se"].values * area, float(result["Rd_se"]), float(result["Rsp"]), result.attrs)
 
 
 def _fly_tiles(target: Target, width: float, bins: int, photons: int, seed: int) -> Flight:
     """Flies a scene of tiles. Errors come from the spread between batches of places."""
-    radius, weight, place, _, result = fly_packets(target, photons, seed)
+    radius, weight, place, result = fly_packets(target, photons, seed)
     which = np.minimum(radius / width, bins).astype(int)
     parts = np.bincount(place % BATCHES * (bins + 1) + which, weights=weight, minlength=BATCHES * (bins + 1)).reshape(BATCHES, -1)
     spread = math.sqrt(BATCHES) / photons
@@ -143,15 +141,13 @@ def fly_profile(target: Target, width: float, photons: int, error: Optional[floa
     most = 2**48 if target.period is None else MOST_SAVED // step * step
     need, turn = photons, 0
     total: Optional[Flight] = None
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        while need > 0:
-            more = min(most, -(-need // step) * step)
-            flown = one(target, width, bins, more, seed + turn * OTHER_SEED)
-            total = flown if total is None else total.joined(flown)
-            turn, need = turn + 1, need - more
-            if need <= 0 and error is not None and total.noise() > error:
-                need = math.ceil(1.05 * total.photons * ((total.noise() / error) ** 2 - 1))
+    while need > 0:
+        more = min(most, -(-need // step) * step)
+        flown = one(target, width, bins, more, seed + turn * OTHER_SEED)
+        total = flown if total is None else total.joined(flown)
+        turn, need = turn + 1, need - more
+        if need <= 0 and error is not None and total.noise() > error:
+            need = math.ceil(1.05 * total.photons * ((total.noise() / error) ** 2 - 1))
     assert total is not None
     if not total.Rd > 0:
         raise errors.refuse("scene", target.shown, "a material from which light comes back")

@@ -1,11 +1,10 @@
-"""Runs the program on a scene and reads the files that it writes.
+"""Flies scenes: in this process, or by the program, whose files are then read.
 
 SPDX-License-Identifier: MIT
 """
 
 from __future__ import annotations
 
-import codecs
 import contextlib
 import fcntl
 import importlib.resources
@@ -18,17 +17,16 @@ import subprocess
 import sys
 import tempfile
 import threading
-import warnings
-from typing import IO, TYPE_CHECKING, Any, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
+from typing import IO, TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
 
 import numpy as np
 
 from . import errors, library
-from .fields import MEASURED
-from .mco import read_mco
+from .fields import MEASURED, Field, Fields
 from .options import Path, RunOptions, shown
 from .progress import Progress
-from .scene import Scene
+from .results import read_as
+from .scene import Scene, Text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,6 +37,7 @@ PREFIX = "clustermcml: "
 OWN = "# written by clustermcml.run or sweep\n"
 FATES = {"Rsp": "specular", "Rd": "reflected", "A": "absorbed", "Tt": "transmitted"}  # keys of --json, and names of the book of each in the result
 STOPS = (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)  # SIGINT is left to Python
+NONE, ALL = "(?!)", ""  # patterns of notes
 STOPPED = 75  # exit code of a run that was stopped by a signal
 
 
@@ -120,6 +119,11 @@ def renamed(text: str, folder: str) -> str:
     return text.replace(folder + os.sep, "") if folder else text
 
 
+def _own_words(text: str) -> str:
+    """Returns a message about a scene in memory without the number of a line that the caller has never seen."""
+    return re.sub(r"the run in line \d+", "the Scene", text)
+
+
 @contextlib.contextmanager
 def scratch_folder() -> Iterator[str]:
     """Yields a temporary folder. Messages of errors do not name its files."""
@@ -164,30 +168,16 @@ def raise_failure(code: int, said: Sequence[str], kept: bool = True) -> NoReturn
     raise errors.InputError(text) if code == 2 else errors.ClustermcmlError(text, code)
 
 
-def _pieces(terminal: int) -> Iterator[str]:
-    """Yields the text that arrives at a terminal, cut at line feeds and carriage returns."""
-    decoder, rest = codecs.getincrementaldecoder("utf-8")("replace"), ""
-    while True:
-        try:
-            chunk = os.read(terminal, 4096)
-        except OSError:  # the other end of the terminal is closed
-            chunk = b""
-        *whole, rest = re.split(r"[\r\n]+", rest + decoder.decode(chunk, not chunk))
-        yield from whole
-        if not chunk:
-            yield rest
-            return
-
-
 def _listen(pieces: Iterable[str], progress: Progress, said: list[str]) -> None:
-    """Reads the program's standard error: its bar of progress goes to `progress`, all other lines to `said`."""
-    for piece in pieces:
-        text = piece.replace("\033[K", "")
-        share = re.match(r"(?:\[[#.]*\])? *(\d+) % +(.*)", text)
-        if share:
-            progress.show(int(share[1]), share[2])
-        elif text:
-            said.append(text)
+    """Reads the program's standard error, cut at line feeds and carriage returns: its bar of progress goes to `progress`, all other lines to `said`."""
+    with contextlib.suppress(OSError):  # the other end of the terminal is closed
+        for piece in pieces:
+            text = piece.replace("\033[K", "").rstrip("\n")
+            share = re.match(r"(?:\[[#.]*\])? *(\d+) % +(.*)", text)
+            if share:
+                progress.show(int(share[1]), share[2])
+            elif text:
+                said.append(text)
 
 
 def _read_lines(process: subprocess.Popen[str], progress: Progress, rows: int) -> list[str]:
@@ -249,11 +239,19 @@ def _unlock(file: IO[bytes]) -> None:
         fcntl.flock(file, fcntl.LOCK_UN)
 
 
+def _text(scene: Union[Scene, Text], folder: Path) -> str:
+    """Returns the text of a scene's file in a folder, in which its surfaces and tables are written."""
+    try:
+        return scene if isinstance(scene, Text) else OWN + scene.text("scene.mco", folder)
+    except OSError as error:
+        raise errors.ClustermcmlError(f"{error.filename}: cannot be written ({error.strerror})", 5) from error
+
+
 @contextlib.contextmanager
-def scene_file(scene: Union[Scene, Path], folder: str) -> Iterator[str]:
-    """Yields the path of the scene's file. A Scene object is written into `folder`, and no other call writes there until its
+def scene_file(scene: Union[Scene, Text, Path], folder: str) -> Iterator[str]:
+    """Yields the path of the scene's file. A scene in memory is written into `folder`, and no other call writes there until its
     result is read."""
-    if not isinstance(scene, Scene):
+    if not isinstance(scene, (Scene, Text)):
         yield errors.existing_file("scene", scene)
         return
     path = os.path.join(folder, "scene.mci")
@@ -261,13 +259,14 @@ def scene_file(scene: Union[Scene, Path], folder: str) -> Iterator[str]:
         try:
             file = held.enter_context(_locked(path, folder))
             held.callback(_unlock, file)
-            scene.write(path, OWN)
+            with open(path, "w", encoding="utf-8", errors="surrogateescape") as written:
+                written.write(_text(scene, folder))
         except OSError as error:
             raise errors.ClustermcmlError(f"{error.filename}: cannot be written ({error.strerror})", 5) from error
         try:
             yield path
-        except errors.ClustermcmlError as error:  # the message must not name a line of a file that the caller has never seen
-            error.args = (re.sub(r"the run in line \d+", "the Scene", str(error)),)
+        except errors.ClustermcmlError as error:
+            error.args = (_own_words(str(error)),)
             raise
 
 
@@ -296,16 +295,8 @@ def _named(path: str) -> str:
     return os.fsdecode(re.sub(rb"\\x([0-9a-f]{2})", lambda byte: bytes.fromhex(byte[1].decode()), os.fsencode(path)))
 
 
-def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int = 0,
-        notes: bool = True) -> list[dict[str, Any]]:
-    """Runs the program with --json and returns its answer for every run. options: words of the command line. scratch: temporary
-    folder whose files are not named. rows: of a sweep, 0 for none. notes: notes of the program become warnings."""
-    told = [json.loads(line) for line in _lines(scene, folder, ["--json", *options], show, scratch, rows, notes)]
-    return [{**run, "files": [_named(path) for path in run["files"]]} for run in told]
-
-
-def _lines(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int, notes: bool) -> list[str]:
-    """Runs the program and returns the lines of its standard output.
+def _lines(scene: str, folder: str, options: list[str], progress: Progress, scratch: str, rows: int, silent: str) -> list[str]:
+    """Runs the program and returns the lines of its standard output. rows: of a sweep, 0 for none. Other arguments as of `_fly_program`.
 
     The program has a session of its own, so that an interrupt reaches it from here alone. Its standard error is a terminal, so
     that it draws a bar.
@@ -313,37 +304,50 @@ def _lines(scene: str, folder: str, options: list[str], show: Optional[bool], sc
     said: list[str] = []
     words = [find_program(), scene, "-o", folder, *options]
     here, there = os.openpty()
-    with exits_on_signals(), Progress(show) as progress, _start(words, here, there) as process:
-        bar = Progress(False) if rows else progress
-        listener = threading.Thread(target=_listen, args=(_pieces(here), bar, said))
+    with exits_on_signals(), _start(words, here, there) as process, open(here, encoding="utf-8", errors="replace") as terminal:
+        listener = threading.Thread(target=_listen, args=(terminal, Progress(False) if rows else progress, said))
         listener.start()
         try:
             told = _read_lines(process, progress, rows)
         finally:
             listener.join()
-            os.close(here)
     said = [renamed(line, scratch) for line in said]
-    for note in (line for line in said if notes and line.startswith(PREFIX + "note: ")):
-        warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=4)
+    for note in (line.removeprefix(PREFIX + "note: ") for line in said if line.startswith(PREFIX + "note: ")):
+        if not re.search(silent, note):
+            errors.warn(note)
     if process.returncode != 0:
         raise_failure(process.returncode, said, folder != scratch)
     return told
 
 
-def result_of(told: dict[str, Any]) -> xr.Dataset:
-    """Returns the Dataset of a run, from its .h5 or else its .mco. Refuses a file that another call has replaced: totals must
-    equal those that the program has told, to all digits."""
+def _few(told: Mapping[str, Any], path: str, names: Sequence[str]) -> Fields:
+    """Returns these arrays of an .h5 and their axes. It has just been written: the checks of `read_h5` would take longer than its flight."""
+    import h5py
+    held = {name: Field(told[name]) for name in names if isinstance(told.get(name), (float, int))}
+    left = [name for name in names if name not in held]
+    with h5py.File(path, "r", locking=False) as file:
+        for name in (name for name in left if name in file):
+            item = file[name]
+            dims = (name,) if h5py.h5ds.is_scale(item.id) else tuple(scales[0].name[1:] for scales in item.dims)
+            left += [dim for dim in dims if dim not in left]
+            held[name] = Field(item[()], dims)
+    return Fields(held, {**told})
+
+
+def result_of(told: Mapping[str, Any], names: Optional[Sequence[str]] = None) -> Fields:
+    """Returns the result of a run, from its .h5 or else its .mco. Refuses a file that another call has replaced: totals must
+    equal those that the program has told, to all digits. names: of the arrays that are needed; None: all."""
     h5 = next((path for path in told["files"] if path.endswith(".h5") and not path.endswith(".photons.h5")), None)
     path = h5 or told["files"][0]
     if not os.path.isfile(path):
         raise errors.refuse("scene", path, "a scene whose result is a file")
-    if h5:
-        from .h5 import read_h5
-    data = read_h5(path) if h5 else read_mco(path)
+    if h5 and names:
+        return _few(told, h5, names)
+    data = read_as(path)
     if any(float(data["book_" + fate]) != told.get(total, float(data["book_" + fate])) for total, fate in FATES.items()):
         raise errors.ClustermcmlError(f"{path}: replaced by another call (expected an output_dir of its own for each)", 5)
     data.attrs.update({key: told[key] for key in MEASURED if told.get(key) is not None})
-    return data.dataset()
+    return data
 
 
 def _may_be_finished(scene: str, folder: str) -> bool:
@@ -355,14 +359,70 @@ def _may_be_finished(scene: str, folder: str) -> bool:
     return "/" in stem or any(re.match(re.escape(stem) + r"(?!.*\.(mci|lock|checkpoint|old)$)", name) for name in os.listdir(folder))
 
 
-def _finished(scene: str, folder: str, options: list[str], show: Optional[bool]) -> Optional[dict[str, Any]]:
+def _finished(scene: str, folder: str, options: list[str], progress: Progress) -> Optional[dict[str, Any]]:
     """Returns the files of a run that was finished before and has no checkpoint. Returns None for any other run.
 
     --json would fly such a run anew to know all digits. Any other run has a checkpoint after this call, which holds all digits."""
-    said = "".join(_lines(scene, folder, options, show, "", 0, True))
+    said = "".join(_lines(scene, folder, options, progress, "", 0, NONE))
     names = re.findall(r"^(\S.*): \S+ photons, .*, seed \d+$", said, re.MULTILINE)
     stands = len(names) == 1 and "\n  finished before" in said and not os.path.exists(os.path.join(folder, names[0] + ".checkpoint"))
     return {"files": [_named(path) for path in re.findall("^  -> (.*)$", said, re.MULTILINE)]} if stands else None
+
+
+def _fly_program(scene: str, folder: str, words: list[str], table: str, progress: Progress, scratch: str, silent: str) -> list[dict[str, Any]]:
+    """Flies a scene by the program, or each row of a table, and returns its answers. scratch: temporary folder whose files are not named."""
+    path = os.path.join(scratch, "sweep.csv")
+    if table:
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(table)
+        words = ["--sweep", path, *(["--output", "row.h5"] if folder == scratch else []), *words]  # an .h5 has all digits, as the library has them
+    resumes = "--resume" in words and folder != scratch and not table and _may_be_finished(scene, folder)
+    stands = _finished(scene, folder, words, progress) if resumes else None
+    if stands:
+        return [stands]
+    told = list(map(json.loads, _lines(scene, folder, ["--json", *words], progress, scratch, max(table.count("\n") - 1, 0), ALL if resumes else silent)))
+    if not table and len(told) != 1:
+        raise errors.refuse("scene", scene, f"a file with one run, this one has {len(told)}")
+    return sorted(({**run, "files": [_named(path) for path in run["files"]]} for run in told), key=lambda run: int(run.get("row") or 0))
+
+
+class _Beside:
+    """The folder beside a scene in memory. It is made if a surface or a table is written there: the library reads these from files alone."""
+
+    made: Optional[tempfile.TemporaryDirectory[str]] = None
+
+    def __fspath__(self) -> str:
+        self.made = self.made or tempfile.TemporaryDirectory(prefix="clustermcml_")
+        return self.made.name
+
+    def close(self) -> None:
+        if self.made:
+            self.made.cleanup()
+
+
+def fly(scene: Union[Scene, Text, Path], words: list[str], progress: Progress, *, table: str = "", output_dir: Optional[Path] = None, silent: str = NONE,
+        names: Optional[Sequence[str]] = None, keep: Callable[[Fields], Fields] = lambda result: result) -> list[Fields]:
+    """Flies a scene, or each row of a table, and returns the results in their order.
+
+    words: options of a command line. table: text of a file of --sweep; "" is none. output_dir: folder for the program's files; None flies in this
+    process, or by the program where the library lacks something. silent: pattern of notes that are no warnings. names: of the arrays that are needed.
+    keep: returns the part of a result that is kept."""
+    loaded = library.find(find_program(), words) if output_dir is None else None
+    if not loaded:
+        with scratch_folder() as scratch:
+            folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
+            with scene_file(scene, folder) as path:
+                return [keep(result_of(told, names)) for told in _fly_program(path, folder, words, table, progress, scratch, silent)]
+    with contextlib.closing(_Beside()) as beside:
+        text = _text(scene, beside) if isinstance(scene, (Scene, Text)) else None
+        folder = beside.made.name if beside.made else "Scene"
+
+        def own(said: str) -> str:
+            said = re.sub(r"^the table(:\d+)?: ", "parameters: ", renamed(said, folder))
+            return "" if re.search(silent, said) else _own_words(said) if text else said
+        path = os.path.join(folder, "scene.mci") if text else errors.existing_file("scene", scene)
+        with library.Scene(loaded, path, text, words, own) as flown:
+            return flown.sweep(table, keep, progress, names) if table else [keep(flown.fly([], progress, names))]
 
 
 @shown
@@ -388,17 +448,5 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
     """
     if isinstance(scene, Scene) and scene.saved and output_dir is None:
         raise errors.refuse("output_dir", output_dir, "a folder: the file of saved photons stays there")
-    with scratch_folder() as scratch:
-        folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
-        with scene_file(scene, folder) as path:
-            words = option_words(options)
-            loaded = library.find(find_program(), options) if output_dir is None else None
-            if loaded:
-                with Progress(progress) as shown_progress, library.Scene(loaded, path, words, lambda text: renamed(text, scratch)) as opened:
-                    return opened.fly([], shown_progress).dataset()
-            resumes = options.get("resume") and output_dir is not None and _may_be_finished(path, folder)
-            stands = _finished(path, folder, words, progress) if resumes else None
-            told = [stands] if stands else fly(path, folder, words, progress, scratch, notes=not resumes)
-            if len(told) != 1:
-                raise errors.refuse("scene", path, f"a file with one run, this one has {len(told)}")
-            return result_of(told[0])
+    with Progress(progress) as shown_progress:
+        return fly(scene, option_words(options), shown_progress, output_dir=output_dir)[0].dataset()

@@ -31,7 +31,7 @@ class Progress:
     def __init__(self, show: Optional[bool]) -> None:
         self.bar = None if show is False else _notebook_bar()
         self.lines = self.bar is None and (sys.stderr.isatty() if show is None else show)
-        self.begun = False
+        self.begun, self.count, self.part = False, 0, ""
 
     def __enter__(self) -> "Progress":
         return self
@@ -42,10 +42,15 @@ class Progress:
         if self.begun:
             print(file=sys.stderr)
 
+    def begin(self, name: str) -> None:
+        """Begins the next part of the work, which `show` numbers."""
+        self.count += 1
+        self.part = f"{name} {self.count}, "
+
     def show(self, percent: int, text: str) -> None:
-        """Shows progress. percent: 0 to 100. text: words after it."""
+        """Shows progress of a part. percent: 0 to 100. text: words after it."""
         if self.bar is not None:
             self.bar.progress = percent
         elif self.lines:
             self.begun = True
-            print(f"\r{percent} %, {text}\033[K", end="", file=sys.stderr, flush=True)
+            print(f"\r{self.part}{percent} %, {text}\033[K", end="", file=sys.stderr, flush=True)

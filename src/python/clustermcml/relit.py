@@ -1,4 +1,4 @@
-"""Writes the file of a scene with another light: the scene's beams and tallies are replaced by lines of the caller.
+"""Scenes in another light: the scene's beams and tallies are replaced by lines of the caller.
 
 SPDX-License-Identifier: MIT
 """
@@ -14,7 +14,7 @@ from . import errors
 from .commands import check
 from .mco import NUMERAL
 from .options import Path
-from .scene import Scene
+from .scene import Scene, Text
 
 REPLACED = ("beam", "map", "facets", "time", "directions", "fluence", "detector", "photons")  # keywords of the lines before the layers that are replaced
 WITH_FILES = ("m", "b", "i", "phase", "beam")
@@ -73,7 +73,7 @@ def light_lines(path: str) -> list[str]:
         return [" ".join(_absolute(words, os.path.dirname(path))) for words in map(_words, file) if words[:1] in (["beam"], ["detector"])]
 
 
-def relit_text(path: str, lines: Sequence[str]) -> str:
+def relit_text(path: str, lines: Sequence[str]) -> Text:
     """The text of the scene in `path` with `lines` in place of its beams and tallies. Names of files become absolute."""
     folder, kept, with_words = os.path.dirname(path), [], 0
     with open(path, encoding="utf-8", errors="surrogateescape") as file:
@@ -84,10 +84,4 @@ def relit_text(path: str, lines: Sequence[str]) -> str:
             with_words += 1
             kept.append(" ".join(_absolute(words, folder) if words[0] in WITH_FILES else words))
             kept += lines if with_words == 3 else []
-    return "\n".join([*kept, ""])
-
-
-def write_relit(path: str, target: str, lines: Sequence[str]) -> None:
-    """Writes the file of a scene with other light under the name `target`."""
-    with open(target, "w", encoding="utf-8", errors="surrogateescape") as file:
-        file.write(relit_text(path, lines))
+    return Text("\n".join([*kept, ""]))

@@ -16,6 +16,7 @@ from typing import Optional, Sequence, Union
 from . import errors
 from .bodies import Body, Cylinder, Sphere
 from .detectors import Detector
+from .options import Path
 from .photons import Saved
 from .phases import Phase, check_phase
 from .surfaces import Rough, Surface, check_rough, check_surface, shortest, vector
@@ -23,6 +24,10 @@ from .top import Face, Port, Top, check_name
 
 MOST_PHOTONS = 2**48
 TAKEN = re.compile(r"photons|seed|above|below|backing|(layer|body|boundary|beam|detector|face|port)\d*")  # other names whose numbers can be set
+
+
+class Text(str):
+    """The text of a scene's file, in which names of files are absolute."""
 
 
 @dataclass
@@ -434,7 +439,7 @@ class Scene:
         """All beams, one or several."""
         return [self.beam] if isinstance(self.beam, Beam) else self.beam
 
-    def text(self, output: str, directory: str = ".") -> str:
+    def text(self, output: str, directory: Path = ".") -> str:
         """Returns the text of the `.mci` file, and writes surfaces that are arrays into a folder.
 
         Args:

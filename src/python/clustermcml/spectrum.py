@@ -5,7 +5,6 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
@@ -15,7 +14,7 @@ from . import errors
 from .media import Medium, wavelengths as rising
 from .options import Path, SweepOptions, shown
 from .scene import Scene
-from .sweep import sweep
+from .sweep import _table, fly_sweep
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,8 +87,7 @@ def spectrum(scene: Union[Scene, Path], media: Media, wavelengths: npt.ArrayLike
     columns = columns_of(media, nm)
     if not any(options.get(name) for name in ALONE) and options.get("engine") != "opencl":
         options.setdefault("reweight", _shared(columns))
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", ".* counts from above")  # the user chose media by name, and has counted layers already
-        result = sweep(scene, columns, dim="nm", coords={"nm": nm}, variables=variables, output_dir=output_dir, progress=progress, **options)
+    table = _table(columns, "nm", {"nm": nm})
+    result = fly_sweep(scene, table, variables, output_dir, progress, options, " counts from above")  # the user chose media by name, and has counted layers already
     result["nm"].attrs.update(units="nm", long_name="wavelength")
     return result

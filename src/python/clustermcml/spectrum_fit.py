@@ -18,9 +18,9 @@ from typing import Any, Callable, Mapping, Optional, Union
 import numpy as np
 
 from . import errors
-from .fit import NOISY, OTHER_SEED, REDRAWN, Fit, _bins, _fly_rows, _noise, _numbered, _numbers, _slope
+from .fit import NOISY, OTHER_SEED, REDRAWN, Fit, _fly_rows, _noise, _numbered, _numbers, _numbers_of, _slope
 from .least_squares import TINY, correlation, minimum, unlikely
-from .measured import PROFILES, Data, check_name, check_number, is_detector, read_measured
+from .measured import PROFILES, Data, check_name, check_number, read_measured
 from .media import wavelengths as rising
 from .options import Path
 from .scene import Scene
@@ -180,21 +180,17 @@ class _Problem:
             return np.zeros((len(self.spectra.nm), 0))
         return np.stack([np.sqrt(columns[name]) if name.endswith(".mua") else np.log(np.maximum(columns[name], TINY)) for name in self.slopes], axis=-1)
 
-    def fly(self, columns: Mapping[str, Any], seed: int, more: list[str], arrays: list[str]) -> list[tuple[Mapping[str, Any], Any]]:
-        """Simulates all wavelengths. Returns, for each, the answer of the program and the arrays that are wanted. more: further options."""
+    def fly(self, columns: Mapping[str, Any], seed: int, more: list[str], arrays: list[str]) -> list[dict[str, Any]]:
+        """Simulates all wavelengths. Returns, for each, the arrays of the numbers and those that are wanted. more: further options."""
         nm = self.spectra.nm
         seeds = [(self.seed + seed + STEP * i) % 2**53 for i in range(len(nm))]
-
-        def table(folder: str) -> list[str]:
-            path = os.path.join(folder, "sweep.csv")
-            _rows({**columns, "seed": seeds}, "nm", ()).write(path)
-            return ["--sweep", path, "--ignore-absorption", *more]
         self.flown += len(nm)
-        return _fly_rows(self.scene, table, len(nm), self.options, lambda row: _bins(row, arrays) if arrays else {})
+        names = [name for _, data in self.spectra.rows for name in _numbers_of(data)] + arrays
+        return _fly_rows(self.scene, ["--ignore-absorption", *more], _rows({**columns, "seed": seeds}, "nm", ()).text(), self.options, names)
 
     def numbers(self, row: Mapping[str, Any], i: int, data: Data) -> tuple[Any, Any]:
         """Returns the model's numbers at a wavelength, and their errors. Numbers of which no packet tells are refused."""
-        model, sigma = _numbers(data, row, {})
+        model, sigma = _numbers(data, row)
         if not (model > 0).all():
             raise errors.refuse("photons", row["photons"], f"more: no packet tells {data.names[int(np.argmin(model))]} at {self.spectra.nm[i]:g} nm")
         return model, sigma
@@ -206,16 +202,16 @@ class _Round:
     def __init__(self, problem: _Problem, u: Any, seed: int = 0) -> None:
         self.problem, self.u = problem, u
         spectra, columns = problem.spectra, problem.columns(u)
-        arrays = [_slope(name, kind[1:]) + end for name in spectra.names() if is_detector(name) for kind in KINDS for end in ("", "_se")]
+        arrays = ["A_l", *(_slope(name, kind[1:]) + end for name in spectra.names() for kind in KINDS for end in ("", "_se"))]
         self.flights = problem.fly(columns, seed, ["--derivatives"], arrays)
-        told = [problem.numbers(self.flights[i][0], i, data) for i, data in spectra.rows]
+        told = [problem.numbers(self.flights[i], i, data) for i, data in spectra.rows]
         self.wavelength = spectra.join(lambda i, data: np.full(len(data.names), i))
         self.values = np.concatenate([model for model, _ in told])
         self.logs, self.noise = np.log(self.values), np.zeros((len(self.values),) * 2)
         start = 0
         for (i, data), (model, sigma) in zip(spectra.rows, told):
             part = slice(start, start + len(model))
-            row = self.flights[i][0]
+            row = self.flights[i]
             self.noise[part, part] = _noise(data, model, sigma, np.ones(len(model)), row, row["photons"])
             start = part.stop
         self.x = problem.coordinates(u)
@@ -230,11 +226,11 @@ class _Round:
         place, _, kind = self.problem.places[name].partition(".")
 
         def of(i: int, data: Data) -> Any:
-            row, result = self.flights[i]
+            row = self.flights[i]
             inside = int(place.lstrip("layerbody")) - 1 + (len(row["A_l"]) if place.startswith("body") else 0)
             factor = 2 * np.sqrt(values[i]) if kind == "mua" else values[i]
             words = [_slope(other, kind) + end for other in data.names]
-            return factor * np.nan_to_num(np.array([(row[word] if word in row else result[word])[inside] for word in words], dtype=float))
+            return factor * np.nan_to_num(np.array([row[word][inside] for word in words]))
         return of
 
     def _difference(self, columns: Mapping[str, Any], k: int, seed: int) -> Any:
@@ -246,7 +242,7 @@ class _Round:
         for end in ends:
             moved = problem.columns(np.where(np.arange(len(self.u)) == k, end, self.u))
             flights = problem.fly({name: columns[name] if name in problem.slopes else moved[name] for name in moved}, seed, [], [])
-            logs.append(np.concatenate([np.log(problem.numbers(flights[i][0], i, data)[0]) for i, data in problem.spectra.rows]))
+            logs.append(np.concatenate([np.log(problem.numbers(flights[i], i, data)[0]) for i, data in problem.spectra.rows]))
         return (logs[1] - logs[0]) / (ends[1] - ends[0])
 
     def model(self, u: Any, slopes: Optional[Any] = None) -> Any:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import errors
+from .options import Path
 from .surface_files import write_gsf, write_obj
 
 
@@ -62,7 +63,7 @@ class Heightfield:
         if errors.array("Heightfield.h", self.h, "iuf", expected).shape != r.shape:
             raise errors.refuse("Heightfield.h", self.h, expected)
 
-    def line(self, directory: str, stem: str) -> str:
+    def line(self, directory: Path, stem: str) -> str:
         """The line of the `.mci`; writes no file."""
         r, h = np.asarray(self.r, dtype=float), np.asarray(self.h, dtype=float)
         spacing = np.append(np.diff(r), 0.0)
@@ -108,7 +109,7 @@ class Heightmap:
         errors.above_zero("Heightmap.scale", self.scale)
         vector("Heightmap.shift", self.shift, 3)
 
-    def line(self, directory: str, stem: str) -> str:
+    def line(self, directory: Path, stem: str) -> str:
         """Writes DIRECTORY/STEM.gsf. Returns the line that names the file in an `.mci` of that directory."""
         write_gsf(os.path.join(directory, stem + ".gsf"), np.asarray(self.heights), self.dx, self.dx if self.dy is None else self.dy)
         options = {"scale": self.scale, "shift": tuple(self.shift), "tile": self.tile}
@@ -210,7 +211,7 @@ class Mesh:
         if faces.min() < 0 or faces.max() >= len(vertices):
             raise errors.refuse("Mesh.faces", self.faces, f"indices from 0 to {len(vertices) - 1}")
 
-    def words(self, directory: str, stem: str) -> tuple[str, list[str]]:
+    def words(self, directory: Path, stem: str) -> tuple[str, list[str]]:
         """Returns the name of the mesh's file in quotes, and its options. Writes DIRECTORY/STEM.obj if the mesh is given by
         arrays."""
         name = f'"{stem}.obj"' if self.path is None else errors.quoted_file("Mesh.path", self.path)
@@ -220,7 +221,7 @@ class Mesh:
         options["shift"] = tuple(self.shift)
         return name, _option_words(options)
 
-    def line(self, directory: str, stem: str) -> str:
+    def line(self, directory: Path, stem: str) -> str:
         """Returns the line of the mesh for an `.mci` in that directory."""
         name, options = self.words(directory, stem)
         return " ".join(["m", name, *options])
@@ -260,7 +261,7 @@ class Relief:
             raise errors.refuse("Relief.spectrum", self.spectrum, '"gaussian", "exponential" or "fractal:H"')
         vector("Relief.shift", self.shift, 3)
 
-    def line(self, directory: str, stem: str) -> str:
+    def line(self, directory: Path, stem: str) -> str:
         """The line of the `.mci`; writes no file."""
         words = [f"m gaussian {shortest(self.slope)} {shortest(self.length)} tile seed={self.seed} points={self.points} spectrum={self.spectrum}"]
         return " ".join(words + _option_words({"shift": tuple(self.shift)}))

@@ -6,18 +6,17 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import itertools
-import math
-import os
-import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Iterable, Mapping, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import errors
+from .fields import Fields
 from .options import Path, SweepOptions, shown
-from .program import fly, option_words, result_of, scene_file, scratch_folder
+from .program import NONE, fly, option_words
+from .progress import Progress
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -25,6 +24,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from typing_extensions import Unpack
+
+
+def table_text(lines: Iterable[Iterable[object]]) -> str:
+    """Returns the text of a file of --sweep: names, then a line for each row."""
+    return "".join(",".join(map(str, line)) + "\n" for line in lines)
 
 
 @dataclass
@@ -37,14 +41,11 @@ class _Table:
     sizes: dict[str, int]
     coords: dict[str, Any]
 
-    def write(self, path: str) -> None:
-        """Writes the table for --sweep. Labels stand in quotation marks."""
+    def text(self) -> str:
+        """Returns the text of a file of --sweep. Labels stand in quotation marks."""
         def cell(name: str, value: object) -> str:
             return '"' + str(value).replace('"', '""') + '"' if name in self.labels else str(value)
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(",".join(cell(name, name) for name in self.columns) + "\n")
-            for row in zip(*self.columns.values()):
-                file.write(",".join(map(cell, self.columns, row)) + "\n")
+        return table_text(map(cell, self.columns, line) for line in [self.columns, *zip(*self.columns.values())])
 
 
 def _column(name: str, values: Any, kinds: str, expected: str) -> list[Any]:
@@ -114,43 +115,51 @@ def _table(parameters: Any, dim: Optional[str], coords: Union[Sequence[str], Map
 
 def write_table(parameters: Any, path: str) -> None:
     """Writes the table that `sweep` flies for these parameters alone, for --sweep."""
-    _table(parameters, None, ()).write(path)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(_table(parameters, None, ()).text())
 
 
-def _common(rows: Sequence[xr.Dataset]) -> tuple[list[str], list[str]]:
+def _common(rows: Sequence[Fields]) -> tuple[list[str], list[str]]:
     """Returns the names of arrays that all rows have in the same size, and the names of all others. For example, a surface may be a plane in some
     rows."""
-    names = list(dict.fromkeys(str(name) for row in rows for name in row.data_vars))
-    sizes = [{name: row[name].shape for name in row.data_vars} for row in rows]
+    names = list(dict.fromkeys(name for row in rows for name in row.names()))
+    sizes = [{name: row[name].shape for name in row.names()} for row in rows]
     everywhere = [name for name in names if all(size.get(name) == sizes[0].get(name, ()) for size in sizes)]
     return everywhere, [name for name in names if name not in everywhere]
 
 
-def _stack(rows: Sequence[xr.Dataset], table: _Table) -> xr.Dataset:
+def _stack(rows: Sequence[Fields], table: _Table) -> xr.Dataset:
     """Returns the arrays of all rows, stacked along the new dimensions, which come first."""
     import xarray as xr
-    shape, dims = list(table.sizes.values()), list(table.sizes)
-    stacked = xr.Dataset(attrs={key: value for key, value in rows[0].attrs.items() if all(row.attrs.get(key) == value for row in rows)})
+    shape, dims, first = tuple(table.sizes.values()), tuple(table.sizes), rows[0]
     everywhere, elsewhere = _common(rows)
     if elsewhere:
-        warnings.warn(" ".join(elsewhere) + ": left out, as not all rows have them with as many facets", stacklevel=3)
-    for name in everywhere:
-        first = rows[0][name]
-        values = np.stack([row[name].values for row in rows])
-        stacked[name] = xr.DataArray(values.reshape(shape + list(first.shape)), dims=dims + list(first.dims), attrs=first.attrs)
-    own = {name: axis for name, axis in rows[0].coords.items() if name in stacked.dims}
-    return stacked.assign_coords({**own, **table.coords})
+        errors.warn(" ".join(elsewhere) + ": left out, as not all rows have them with as many facets")
+    stacked = {name: (dims + first[name].dims, np.stack([row[name].values for row in rows]).reshape(shape + first[name].shape), first[name].attrs) for name in everywhere}
+    axes = {name: (one.dims, one.values, one.attrs) for name, one in first.held.items() if any(name in first[other].dims for other in everywhere)}
+    attrs = {key: value for key, value in first.attrs.items() if all(row.attrs.get(key) == value for row in rows)}
+    return xr.Dataset(stacked, {**axes, **table.coords}, attrs)
 
 
-def _kept(result: xr.Dataset, table: _Table, variables: Optional[Sequence[str]]) -> xr.Dataset:
+def _kept(result: Fields, table: _Table, variables: Optional[Sequence[str]]) -> Fields:
     """Returns the result of a row with the wanted variables alone. None keeps all."""
     for name in (*table.sizes, *table.labels):
-        if name in result.variables:
+        if name in result:
             raise errors.refuse("coords" if name in table.labels else "dim", name, "a name that no quantity or axis has")
-    missing = [name for name in variables or () if name not in result]
+    missing = [name for name in variables or () if name not in result.names()]
     if missing:
-        raise errors.refuse("variables", missing[0], "one of " + " ".join(map(str, result.data_vars)))
-    return result if variables is None else result[list(variables)]
+        raise errors.refuse("variables", missing[0], "one of " + " ".join(result.names()))
+    return result if variables is None else Fields({name: result[name] for wanted in variables for name in (wanted, *result[wanted].dims)}, result.attrs)
+
+
+def fly_sweep(scene: Union[Scene, Path], table: _Table, variables: Optional[Sequence[str]], output_dir: Optional[Path], progress: Optional[bool],
+              options: Mapping[str, Any], silent: str = NONE) -> xr.Dataset:
+    """Flies the rows of a table. silent: pattern of notes that are no warnings."""
+    if variables is not None and not isinstance(variables, (list, tuple)):
+        raise errors.refuse("variables", variables, "a list of names, or None for everything")
+    with Progress(progress) as shown_progress:
+        rows = fly(scene, option_words(options), shown_progress, table=table.text(), output_dir=output_dir, silent=silent, keep=lambda row: _kept(row, table, variables))
+    return _stack(rows, table)
 
 
 @shown
@@ -182,15 +191,4 @@ def sweep(scene: Union[Scene, Path], parameters: Union[Mapping[str, ArrayLike], 
         ...
         clustermcml.errors.InputError: parameters['layer1.mua'] = [] (expected a list of at least one number)
     """
-    table = _table(parameters, dim, coords)
-    if variables is not None and not isinstance(variables, (list, tuple)):
-        raise errors.refuse("variables", variables, "a list of names, or None for everything")
-    with scratch_folder() as scratch:
-        folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
-        path = os.path.join(scratch, "sweep.csv")
-        table.write(path)
-        words = ["--sweep", path, *(["--output", "row.h5"] if output_dir is None else []), *option_words(options)]  # an .h5 has all digits, as run returns them
-        with scene_file(scene, folder) as file:
-            told = fly(file, folder, words, progress, scratch, math.prod(table.sizes.values()))
-            rows = [_kept(result_of(one), table, variables) for one in sorted(told, key=lambda one: int(one["row"]))]
-    return _stack(rows, table)
+    return fly_sweep(scene, _table(parameters, dim, coords), variables, output_dir, progress, options)

@@ -131,8 +131,6 @@ void cml_cluster_await_launcher(void)
     for (double waited = 0; waited < 2 * cml_ranks.timeout; waited += 0.1) cml_cluster_sleep(0.1);
 }
 
-/* Ends MPI. If contact to a rank was lost, aborts all ranks instead, because MPI_Finalize would wait for the
- * lost one forever. */
 void cml_cluster_end(cml_status status)
 {
     int begun = 0;
@@ -184,7 +182,6 @@ void cml_cluster_set_timeout(double seconds)
     cml_ranks.timeout = seconds;
 }
 
-/* True if some rank has not been heard of for too long. */
 bool cml_cluster_contact_lost(void)
 {
     return atomic_load(&cml_ranks.lost_rank) >= 0;

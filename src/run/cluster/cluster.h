@@ -1,6 +1,6 @@
 /* The ranks of an MPI run and their communication. Without a launcher (mpiexec, srun) MPI is not initialised:
- * the process is rank 0 of 1, and every call below returns at once. A build without MPI (cluster_alone.c) has
- * only this case.
+ * the process is rank 0 of 1, and every call below returns at once. A build without MPI (cluster_single.c)
+ * has only this case.
  *
  * Each of several ranks has one service thread, which wakes up every few milliseconds. On rank 0 the service
  * thread answers the requests of other ranks while the other threads compute. On every rank it sends and

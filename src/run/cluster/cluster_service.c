@@ -33,7 +33,6 @@ static struct {
     void *handler_context;
 } service = {.handler_lock = PTHREAD_MUTEX_INITIALIZER};
 
-/* Sleeps for some seconds, which leaves the core to other threads. */
 void cml_cluster_sleep(double seconds)
 {
     const struct timespec t = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
@@ -51,7 +50,6 @@ static cml_status fail_mpi(int code, struct cml_error *err)
     return cml_fail(err, CML_E_IO, "MPI failed (%s)", text);
 }
 
-/* Makes the error message of a rank that has not been heard of for too long. */
 cml_status cml_cluster_fail_contact_lost(struct cml_error *err)
 {
     const int rank = atomic_load(&cml_ranks.lost_rank);
@@ -80,8 +78,6 @@ static cml_status wait_for(MPI_Request *call, struct cml_error *err)
     }
 }
 
-/* Releases the lock that the start of an MPI call needs, and waits until the call is complete. code: result
- * of the start; if the start failed, its error is returned at once. */
 cml_status cml_cluster_complete(int code, MPI_Request *call, struct cml_error *err)
 {
     pthread_mutex_unlock(&cml_ranks.lock);
@@ -288,7 +284,6 @@ bool cml_cluster_stop_requested(atomic_int *own)
     return all_requested() && atomic_load(&service.syncs_requested) % 2 == 1;
 }
 
-/* Begins or ends a stretch in which this rank works by itself, as if it were the only one. */
 void cml_cluster_alone(bool alone)
 {
     atomic_store(&cml_ranks.alone, alone);

@@ -6,22 +6,23 @@
 
 #include <string.h>
 
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+
+#define RETURN_NOTHING(type, name, parameters, arguments)                                                    \
+    static type single_##name parameters                                                                     \
+    {                                                                                                        \
+        return 0;                                                                                            \
+    }
+#define DO_NOTHING(name, parameters, arguments)                                                              \
+    static void single_##name parameters                                                                     \
+    {                                                                                                        \
+    }
+CML_CLUSTER_IDLE(RETURN_NOTHING, DO_NOTHING)
+
 /* Fails if a launcher started several processes of this build: each would write the same files. */
 static cml_status single_begin(int *argc, char ***argv, struct cml_error *err)
 {
-    (void)argc;
-    (void)argv;
     return cml_launcher_check(1, err);
-}
-
-static void single_end(cml_status status)
-{
-    (void)status;
-}
-
-static int single_rank(void)
-{
-    return 0;
 }
 
 static int single_size(void)
@@ -29,68 +30,19 @@ static int single_size(void)
     return 1;
 }
 
-static int single_local_rank(void)
-{
-    return 0;
-}
-
 static int single_local_size(void)
 {
     return 1;
 }
 
-static int single_fair_cores(void)
-{
-    return 0;
-}
-
-static void single_set_timeout(double seconds)
-{
-    (void)seconds;
-}
-
-static bool single_contact_lost(void)
-{
-    return false;
-}
-
-static void single_await_launcher(void)
-{
-}
-
 static cml_status single_agree(cml_status mine, struct cml_error *err)
 {
-    (void)err;
     return mine;
-}
-
-static cml_status single_share(void *data, size_t size, struct cml_error *err)
-{
-    (void)data;
-    (void)size;
-    (void)err;
-    return CML_OK;
-}
-
-static cml_status single_share_block(char **block, size_t *size, struct cml_error *err)
-{
-    (void)block;
-    (void)size;
-    (void)err;
-    return CML_OK;
 }
 
 static cml_status single_gather(const void *mine, size_t size, void *all, struct cml_error *err)
 {
-    (void)err;
     memcpy(all, mine, size);
-    return CML_OK;
-}
-
-static cml_status single_sum(struct cml_result *result, struct cml_error *err)
-{
-    (void)result;
-    (void)err;
     return CML_OK;
 }
 
@@ -117,38 +69,15 @@ static bool single_stop_requested(atomic_int *own)
 
 static cml_status single_synchronise(atomic_int *own, struct cml_error *err)
 {
-    (void)err;
     atomic_store(own, 0);
     return CML_OK;
-}
-
-static void single_set_handler(cml_cluster_handler *handler, void *context)
-{
-    (void)handler;
-    (void)context;
 }
 
 static cml_status single_request(const struct cml_work_request *request, struct cml_work_reply *reply,
                                  struct cml_error *err)
 {
-    (void)request;
-    (void)err;
     *reply = (struct cml_work_reply){0};
     return CML_OK;
-}
-
-static void single_alone(bool alone)
-{
-    (void)alone;
-}
-
-static void single_recall(void)
-{
-}
-
-static bool single_recalled(void)
-{
-    return false;
 }
 
 #define CALL_ENTRY(type, name, parameters, arguments) .name = single_##name,

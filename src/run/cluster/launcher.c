@@ -83,7 +83,6 @@ void cml_cores_mine(struct cml_cores *cores)
     for (int place = 0; place < omp_get_num_places(); place++) add_place(cores, place);
 }
 
-/* Counts the cores (bits) in a mask of cores. */
 int cml_cores_count(const struct cml_cores *cores)
 {
     int count = 0;

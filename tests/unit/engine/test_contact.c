@@ -92,42 +92,78 @@ static void check_rim(const struct cml_world *world, const struct cml_scene *sce
     }
 }
 
-static void every_place_belongs_to_the_last_line_that_holds_it(void **state)
+/* A scene with lines on top, and its world. */
+struct probe {
+    struct cml_scene_list list;
+    struct cml_surface_set surfaces;
+    struct cml_owned_world owned;
+};
+
+static void set_up(void **state, const char *top, struct probe *probe)
 {
     const struct cml_surface_options surface = {0};
     const struct cml_engine_options options = {.seed = 1};
+    struct cml_error err;
+    char text[1000];
+    snprintf(text, sizeof text,
+             "1.0\n1\nt A\n1\nbeam pencil z=0.05 light=isotropic\n0.1 0.1\n9 9 1\n1\n1.0\n%s1.4 1 10 0.5 "
+             "1\n1.0\n",
+             top);
+    case_write(state, "t.mci", text);
+    require_ok(cml_mci_read(case_in_directory(state, "t.mci"), NULL, &probe->list, &err), &err);
+    require_ok(cml_surfaces_create(probe->list.scenes, &surface, &probe->surfaces, &err), &err);
+    require_ok(cml_owned_world_create(probe->list.scenes, &probe->surfaces, &options, &probe->owned, &err),
+               &err);
+    case_remove(state, "t.mci");
+}
+
+static void tear_down(struct probe *probe)
+{
+    cml_owned_world_free(&probe->owned);
+    cml_surfaces_free(&probe->surfaces);
+    cml_scene_list_clear(&probe->list);
+}
+
+static void every_place_belongs_to_the_last_line_that_holds_it(void **state)
+{
     struct dice dice = dice_new(7);
     cml_u64 index = 0;
     for (int i = 0; i < TOPS; i++) {
-        struct cml_error err;
-        struct cml_scene_list list;
-        struct cml_surface_set surfaces;
-        struct cml_owned_world owned;
-        char text[1000];
-        snprintf(text, sizeof text,
-                 "1.0\n1\nt A\n1\nbeam pencil z=0.05 light=isotropic\n0.1 0.1\n9 9 1\n1\n1.0\n%s1.4 1 10 0.5 "
-                 "1\n1.0\n",
-                 tops[i]);
-        case_write(state, "t.mci", text);
-        require_ok(cml_mci_read(case_in_directory(state, "t.mci"), NULL, &list, &err), &err);
-        const struct cml_scene *scene = list.scenes;
-        require_ok(cml_surfaces_create(scene, &surface, &surfaces, &err), &err);
-        require_ok(cml_owned_world_create(scene, &surfaces, &options, &owned, &err), &err);
+        struct probe probe;
+        set_up(state, tops[i], &probe);
+        const struct cml_scene *scene = probe.list.scenes;
+        const struct cml_world *world = &probe.owned.world;
         for (int k = 0; k < scene->num_contacts; k++)
-            if (!scene->contacts[k].whole) check_rim(&owned.world, scene, k, &index);
+            if (!scene->contacts[k].whole) check_rim(world, scene, k, &index);
         for (int k = 0; k < 20000; k++)
-            check_place(&owned.world, scene, (real)(2 * dice_uniform(&dice) - 1),
+            check_place(world, scene, (real)(2 * dice_uniform(&dice) - 1),
                         (real)(2 * dice_uniform(&dice) - 1), index++);
-        cml_owned_world_free(&owned);
-        cml_surfaces_free(&surfaces);
-        cml_scene_list_clear(&list);
-        case_remove(state, "t.mci");
+        tear_down(&probe);
     }
+}
+
+/* Radii whose squares single precision has, so places on rims are exact. */
+static void no_outer_rim_belongs_to_its_shape(void **state)
+{
+    struct probe probe;
+    set_up(state, "port disk 0.5 n=1.5\nport ring 0.75 1 n=1.5\nport rectangle 0.5 0.5 n=1.5 at=2,0\n",
+           &probe);
+    const struct cml_world *world = &probe.owned.world;
+    assert_true(world->setup.x0 == 0 && world->setup.y0 == 0);
+    assert_int_equal(cml_contact_at(world, 0.5f, 0), 0);
+    assert_int_equal(cml_contact_at(world, 0, -0.4999999f), 1);
+    assert_int_equal(cml_contact_at(world, 0.75f, 0), 2);
+    assert_int_equal(cml_contact_at(world, 0, 1), 0);
+    assert_int_equal(cml_contact_at(world, 1.75f, -0.25f), 3);
+    assert_int_equal(cml_contact_at(world, 2.25f, 0), 0);
+    tear_down(&probe);
 }
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test_setup_teardown(
-        every_place_belongs_to_the_last_line_that_holds_it, case_setup, case_teardown)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(every_place_belongs_to_the_last_line_that_holds_it, case_setup,
+                                        case_teardown),
+        cmocka_unit_test_setup_teardown(no_outer_rim_belongs_to_its_shape, case_setup, case_teardown)};
     return cmocka_run_group_tests_name("contact", tests, NULL, NULL);
 }

@@ -448,7 +448,7 @@ static void detectors_that_are_none(void **state)
         {NAME "detector table \"none.txt\" na=1\n",
          "x.mci:4: detector: text after the file = na=1 (expected the "
          "end of the line or a comment)"},
-        {NAME "detector disk 0\n", "x.mci:4: detector: radius = 0 (expected a length of 1e-30..1e30 cm)"},
+        {NAME "detector disk 0\n", "x.mci:4: detector: radius = 0 (expected a length of 1e-30..1e18 cm)"},
         {NAME "detector ring 2 2\n", "x.mci:4: detector: r1 r2 = 2 2 (expected r1 < r2)"},
         {NAME "detector map 3 0 1 1\n", "x.mci:4: detector: ny = 0 (expected a whole number of 1..1e9)"},
         {NAME "detector disk 1 side=left\n", "x.mci:4: detector: side = left (expected top or bottom)"},

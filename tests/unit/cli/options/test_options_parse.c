@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cli/options/option_table.h"
+#include "options/option_table.h"
 #include "cli/options/options_parse.h"
 
 enum { MOST = 16 };

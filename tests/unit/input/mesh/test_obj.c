@@ -117,7 +117,7 @@ static const struct refusal bad_sheets[] = {
      "sheet)"},
     {SQUARE "v 5 5 0\nv 6 5 0\nv 5 6 0\nf 1 2 3 4\nf 5 6 7\n",
      "m.obj:9: the mesh falls into 2 separate parts, the second from (5, 5, height 0) cm on (expected one "
-     "connected sheet)"},
+     "connected sheet); its corners are 5.66 cm or more from those of others, too far for weld="},
     {SQUARE "v 2 1 0\nv 1 2 0\nf 1 2 3\nf 3 5 6\n",
      "m.obj:8: the mesh falls into 2 separate parts, the second from (1, 1, height 0) cm on (expected one "
      "connected sheet)"},

@@ -194,6 +194,20 @@ static void binary_ply_is_refused_with_its_byte(void **state)
     expect_refusal(&bytes, "a.ply", message);
 }
 
+/* Makes an ascii PLY of the tent whose tip is three vertices: the first, one `far` away, and one between. */
+static struct bytes make_torn_tent(double far)
+{
+    struct bytes bytes = {.size = 0};
+    char line[200];
+    put_text(&bytes, "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty "
+                     "float z\nelement face 4\nproperty list uchar int vertex_index\nend_header\n"
+                     "0 0 0\n1 0 0\n1 1 0\n0 1 0\n.5 .5 .25\n");
+    snprintf(line, sizeof line, "%.17g .5 .25\n%.17g .5 .25\n3 0 1 4\n3 1 2 4\n3 2 3 5\n3 3 0 6\n", 0.5 + far,
+             0.5 + far / 2);
+    put_text(&bytes, line);
+    return bytes;
+}
+
 /* A vertex that is nearer than the distance to two others joins all three, in a chain; farther ones stay. */
 static void weld_joins_chains_and_nothing_farther(void **state)
 {
@@ -203,15 +217,7 @@ static void weld_joins_chains_and_nothing_farther(void **state)
         bool joined;
     } rows[] = {{0.0005, 0.00055, true}, {0.0005, 0.00045, false}, {1e-7, 2e-7, true}, {0, 0, true}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        struct bytes bytes = {.size = 0};
-        put_text(&bytes,
-                 "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty "
-                 "float z\nelement face 4\nproperty list uchar int vertex_index\nend_header\n"
-                 "0 0 0\n1 0 0\n1 1 0\n0 1 0\n.5 .5 .25\n");
-        char line[200];
-        snprintf(line, sizeof line, "%.17g .5 .25\n%.17g .5 .25\n3 0 1 4\n3 1 2 4\n3 2 3 5\n3 3 0 6\n",
-                 0.5 + 2 * rows[i].gap, 0.5 + rows[i].gap);
-        put_text(&bytes, line);
+        struct bytes bytes = make_torn_tent(2 * rows[i].gap);
         struct cml_mesh mesh;
         struct cml_mesh_notes notes;
         struct cml_error err;
@@ -235,6 +241,35 @@ static void weld_joins_chains_and_nothing_farther(void **state)
     }
 }
 
+/* A refusal names the weld= that makes the mesh whole, says that none does, or suspects the one given. */
+static void refusals_speak_of_weld(void **state)
+{
+    (void)state;
+    static const struct {
+        double far, weld;
+        const char *text;
+    } rows[] = {
+        {0.2, 0,
+         "; 3 corners nearly meet others, up to 0.1 cm away at (0.5, 0.5, height 0.25) cm: weld=0.15 joins "
+         "them"},
+        {0.0002, 0.8,
+         "every face of the mesh has zero area; weld=0.8 has joined 6 corners, up to 1.41 cm away: it may be "
+         "too large"},
+        {0.2, 0.15, ""},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct bytes bytes = make_torn_tent(rows[i].far);
+        struct cml_mesh mesh;
+        struct cml_error err;
+        const cml_status status = read_weld(&bytes, "a.ply", rows[i].weld, &mesh, NULL, &err);
+        const size_t length = strlen(err.text), wanted = strlen(rows[i].text);
+        assert_int_equal(status, wanted > 0 ? CML_E_INPUT : CML_OK);
+        assert_true(length >= wanted);
+        assert_string_equal(err.text + length - wanted, rows[i].text);
+        cml_mesh_clear(&mesh);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -243,6 +278,7 @@ int main(void)
         cmocka_unit_test(ply_may_have_any_type_of_number),
         cmocka_unit_test(binary_ply_is_refused_with_its_byte),
         cmocka_unit_test(weld_joins_chains_and_nothing_farther),
+        cmocka_unit_test(refusals_speak_of_weld),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,7 +4,7 @@
 # finds the MPI library of the machine.
 #
 #     sh samples/wheel.sh [FOLDER]               the wheel is left in FOLDER, by default build/wheel
-#     ARCH=aarch64 sh samples/wheel.sh [FOLDER]  a wheel for ARM processors, glibc 2.31
+#     ARCH=aarch64 sh samples/wheel.sh [FOLDER]  a wheel for ARM processors
 #     WORK=FOLDER sh samples/wheel.sh            the libraries stay in that folder, and the next call builds none
 #
 # Everything is compiled against a root of Debian 11, which src/cli/install/wheel makes from packages of fixed versions.

@@ -50,13 +50,15 @@ static const char *hill(const char *height, const char *more)
 
 static void a_tiny_hill_becomes_the_plane_in_which_it_ends(void **state)
 {
-    struct bench bench = choose(state, hill("0.10001", ""), &asked);
+    struct cml_surface_options loose = asked;
+    loose.tolerance = SANITIZED ? 4 * TOLERANCE : TOLERANCE; /* takes a sixteenth of the packets */
+    struct bench bench = choose(state, hill("0.10001", ""), &loose);
     const struct cml_surface_def *top = &bench.surfaces.item[0];
     assert_int_equal(top->kind, CML_SURFACE_PLANE);
     assert_true(top->depth == -0.1);
-    assert_true(top->expectation.bias > 0 && top->expectation.bias <= TOLERANCE);
+    assert_true(top->expectation.bias > 0 && top->expectation.bias <= loose.tolerance);
     assert_non_null(strstr(top->reason, "radial heightfield, as a plane "));
-    assert_non_null(strstr(top->reason, " is off by at most 0.0"));
+    assert_non_null(strstr(top->reason, SANITIZED ? " is off by at most 0." : " is off by at most 0.0"));
     tear_down(&bench);
 }
 

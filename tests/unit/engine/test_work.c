@@ -2,6 +2,7 @@
  * thread waits for another. SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/mci_case.h"
+#include "lib/sanitized.h"
 
 #include "engine/cpu/engine_cpu.h"
 #include "engine/engine_reference.h"
@@ -220,6 +221,7 @@ static void every_packet_is_flown_once_in_its_batch(void **state)
     for (int t = 0; t < 4; t++)
         for (int c = 0; c < 5; c++)
             for (int m = 0; m < 3; m++) {
+                if (SANITIZED && (t + c + m) % 4) continue; /* all numbers, in a quarter of their combinations */
                 struct ledger ledger = {.most = most[m]};
                 bench.options.threads = threads[t];
                 bench.options.chunk = chunks[c];

@@ -298,7 +298,7 @@ static void a_layer_in_two_parts_is_the_same(void **state)
 static void layers_in_many_parts_absorb_the_same(void **state)
 {
     (void)state;
-    enum { PARTS = 150 };
+    enum { PARTS = SANITIZED ? 50 : 150 };
     static const struct cml_medium_def layer[2] = {{.n = 1.5, .mua = 2, .mus = 3, .g = 0.5, .d = 0.3},
                                                    {.n = 1.3, .mua = 1, .mus = 9, .g = 0.8, .d = 0.6}};
     struct stack whole = stack_of(1, 1.2);
@@ -404,7 +404,7 @@ static void thick_slabs_are_two_halves(void **state)
 {
     (void)state;
     const double depth[] = {0.01, 4.95, 9.9, 40};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i += SANITIZED ? 3 : 1) {
         const struct stack whole = slab(1.4, 0.5, 100, 0.9, depth[i]);
         struct stack halves = slab(1.4, 0.5, 100, 0.9, depth[i] * 3 / 8);
         add(&halves, 1.4, 0.5, 100, 0.9, depth[i] * 5 / 8);

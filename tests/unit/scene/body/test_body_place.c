@@ -5,6 +5,7 @@
 #include "scene/body/body_shape.h"
 
 #include "lib/dice.h"
+#include "lib/sanitized.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -70,13 +71,13 @@ static struct cml_scene_body any_body(void)
 
 static void hosts_are_those_of_all_pairs(void **state)
 {
-    enum { MOST = 300 };
+    enum { MOST = 300, SCENES = SANITIZED ? 4 : 20 };
     static struct cml_scene_body bodies[MOST];
     struct cml_error err;
     int nested = 0;
     (void)state;
     dice = dice_new(1);
-    for (int scene = 0; scene < 20; scene++) {
+    for (int scene = 0; scene < SCENES; scene++) {
         int count = 0;
         for (int tries = 0; tries < 4 * MOST && count < MOST; tries++) {
             bodies[count] = any_body();
@@ -93,11 +94,11 @@ static void hosts_are_those_of_all_pairs(void **state)
         bodies[count - 1] = meets;
         assert_int_equal(place(bodies, count, &err), CML_E_INPUT);
     }
-    assert_true(nested > 500);
+    assert_true(nested > 25 * SCENES);
 }
 
 /* All pairs of so many bodies would be 5e10. */
-enum { MANY = 320000 };
+enum { MANY = SANITIZED ? 40000 : 320000 };
 
 static struct cml_scene_body *make_many(void)
 {
@@ -126,7 +127,7 @@ static void bodies_nested_by_the_hundred_thousand_find_their_hosts(void **state)
 /* Bodies on a cubic grid, each with another body inside, and one body around all of them. */
 static void bodies_side_by_side_by_the_hundred_thousand_find_their_hosts(void **state)
 {
-    enum { EDGE = 54 };
+    enum { EDGE = SANITIZED ? 27 : 54 };
     struct cml_scene_body *bodies = make_many();
     struct cml_error err;
     int count = 0;

@@ -7,6 +7,7 @@ no absorption). The first file of a pair comes from a run with defaults (--sampl
 of pairs: both files with standard errors, only the first, only the second, none (cut off after Tt_ra, as original MCML writes). Two default runs
 with their errors are a fifth kind. Limit: the binomial quantile at 1e-4 for a true rate of 0.05. The second half tests power: a run with mus 1 %
 higher must be found."""
+import functools
 import json
 import math
 import os
@@ -35,15 +36,26 @@ def cut(path, out):
         plain.write(file.read().replace("   Last line: # end", "").split("\n# clustermcml ")[0])
 
 
-def compare_all(paths):
-    """Returns the answer of `compare --json` for each pair. One interpreter compares all pairs, because starting takes longer than comparing."""
-    script = "import json, sys, clustermcml\nprint(json.dumps([clustermcml.compare(a, b) for a, b in json.load(sys.stdin)]))"
+COMPARES = """
+import json, sys, clustermcml
+for pairs in iter(sys.stdin.readline, ""):
+    print(json.dumps([clustermcml.compare(a, b) for a, b in json.loads(pairs)]), flush=True)
+"""
+
+
+@functools.lru_cache(maxsize=None)
+def comparer():
+    """Returns a process that answers `compare --json`. It lives as long as the test, because starting takes longer than comparing."""
     package = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "src", "python")
-    done = subprocess.run([os.environ.get("CLUSTERMCML_PYTHON", "python3"), "-c", script], input=json.dumps(paths), capture_output=True,
-                          text=True, check=False, env={**os.environ, "PYTHONPATH": package})
-    if done.returncode:
-        raise RuntimeError(done.stderr)
-    return json.loads(done.stdout)
+    return subprocess.Popen([os.environ.get("CLUSTERMCML_PYTHON", "python3"), "-c", COMPARES], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                            text=True, env={**os.environ, "PYTHONPATH": package})
+
+
+def compare_all(paths):
+    """Returns the answer of `compare --json` for each pair."""
+    process = comparer()
+    print(json.dumps(paths), file=process.stdin, flush=True)
+    return json.loads(process.stdout.readline())
 
 
 def quantile(n, p, level):

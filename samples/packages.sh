@@ -8,7 +8,7 @@
 set -eu
 build="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin ocl-icd-opencl-dev opencl-headers"
 packages="$build python3-h5py python3-matplotlib python3-scipy python3-xarray pocl-opencl-icd"
-tested="libcmocka-dev librandom123-dev python3" # what a build of the tests needs
+tested="ninja-build libcmocka-dev librandom123-dev python3" # what a build of the tests needs
 case ${1:-} in
 test | names)
     packages="$packages $tested clang lld clang-format libomp-dev libclang-rt-dev libxml2-utils file iproute2"

@@ -72,7 +72,7 @@ expect_error 2 "--run 3 (expected 1 to 2, the runs of samples/two_runs.mci)" tra
 
 # The program needs no input and prints little: standard input is closed, output goes to files, and a line of progress appears
 # only after 10 seconds.
-"$program" "$work/rough.mci" -o "$work" <&- >"$work/out" 2>"$work/err" || complain "a closed standard input: exit $?"
+"$program" "$work/smooth.mci" -o "$work" <&- >"$work/out" 2>"$work/err" || complain "a closed standard input: exit $?"
 test "$(wc -l <"$work/err")" -le 10 || complain "a flood of $(wc -l <"$work/err") lines: $(tail -n 3 "$work/err")"
 test "$(cat "$work/out" "$work/err" | tr -d '\n' | tr -dc '\r' | wc -c)" -eq 0 || complain "a progress bar without a terminal"
 finish

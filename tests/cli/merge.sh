@@ -77,23 +77,23 @@ done
 rm -rf one/* parts/*
 scene=$root/samples/thick.mci
 cd parts || exit 1
-"$program" "$scene" --photons 1e6 --part 1/2 --checkpoint 0.02 --quiet --threads 1 2>../err &
+"$program" "$scene" --photons 3e5 --part 1/2 --checkpoint 0.02 --quiet --threads 1 2>../err &
 run=$!
 until test -e thick.mco.part1of2 || ! kill -0 $run; do sleep 0.02; done
 kill -TERM $run
 code=0
 wait $run || code=$?
 test $code -eq 75 || complain "a part was not stopped: exit $code"
-"$program" "$scene" --photons 1e6 --part 2/2 --quiet || complain "part 2/2"
+"$program" "$scene" --photons 3e5 --part 2/2 --quiet || complain "part 2/2"
 left=$("$program" merge thick.mco.part* 2>&1 >/dev/null)
 case $left in "clustermcml: thick.mco.part1of2: "*" photons of the part have not flown yet (expected a finished part; --resume continues it)") ;; *) complain "an open part: $left" ;; esac
-"$program" "$scene" --photons 1e6 --part 1/2 --resume --quiet || complain "--resume of a part"
+"$program" "$scene" --photons 3e5 --part 1/2 --resume --quiet || complain "--resume of a part"
 before=$(sha256sum thick.mco.part1of2)
-"$program" "$scene" --photons 1e6 --part 1/2 --resume >../out || complain "--resume of a finished part"
+"$program" "$scene" --photons 3e5 --part 1/2 --resume >../out || complain "--resume of a finished part"
 grep -q '^  finished before$' ../out && test "$before" = "$(sha256sum thick.mco.part1of2)" || complain "a finished part: $(cat ../out)"
 "$program" merge --json thick.mco.part* >../out || complain "merge --json"
-grep -q '"photons":1000000,' ../out && test "$(wc -l <../out)" -eq 1 || complain "--json: $(cat ../out)"
-cd ../one && "$program" "$scene" --photons 1e6 --quiet
+grep -q '"photons":300000,' ../out && test "$(wc -l <../out)" -eq 1 || complain "--json: $(cat ../out)"
+cd ../one && "$program" "$scene" --photons 3e5 --quiet
 cd ..
 compare "stopped"
 

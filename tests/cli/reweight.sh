@@ -76,8 +76,8 @@ for scene in seen rough; do
     expect_code 0 "$work/$scene.mci" --sweep "$work/seen.csv" --reweight -o "$work/seen_reference" --quiet --engine reference
     expect_code 0 "$work/$scene.mci" --sweep "$work/seen.csv" -o "$work/seen_own" --quiet
     same_rows "$work/seen_one" "$work/seen_three" "$scene on threads"
+    whole "$work/seen_own/two-0001.mco" >"$work/own_whole"
     for engine in one reference; do # numbers of a section: within rounding of those of its own flight, in which one packet may go another way, or interact in another gate
-        whole "$work/seen_own/two-0001.mco" >"$work/own_whole"
         whole "$work/seen_$engine/two-0001.mco" >"$work/other_whole"
         awk -v most=$(test $engine = one && echo 1e-6 || echo 3e-2) '/^[a-zA-Z_]+/ { key = $1; n = 0; next } /^#|^$/ { next } { n++ }
             key !~ /^(se_)?(R_dir|[RTA]d?t?_t(_later)?|Rd_dir|Tt_dir|Rsp_dir|detector_[ab](_t|_t_later|_path|_interactions|_deepest)?)$/ { next }

@@ -8,7 +8,7 @@ trap 'rm -rf "$scratch"' EXIT
 
 result() { # scene, then options: prints a checksum of all lines but the time
     rm -f "$scratch"/*
-    "$CLUSTERMCML" "$@" --photons 20000 --quiet -o "$scratch"
+    "$CLUSTERMCML" "$@" --photons 5000 --quiet -o "$scratch"
     cat "$scratch"/*.mco | grep -v '^# User time' | sha256sum
 }
 
@@ -43,7 +43,7 @@ maps() { # FOLDER SCENE OPTIONS...
     folder=$1
     shift
     rm -f "$scratch"/*
-    command="$CLUSTERMCML $* --photons 20000 --quiet -o $scratch"
+    command="$CLUSTERMCML $* --photons 5000 --quiet -o $scratch"
     # shellcheck disable=SC2086 # words on purpose
     (cd "$folder" && exec $command)
     masked "$scratch"/*.h5 "$command" "$1" >"$scratch/h5"

@@ -86,7 +86,7 @@ expect_error 2 "$file: --aim Tt (expected no backing)" "$work/x.mci" --aim Tt --
 squares="no line map, facets, directions, photons or detector map: this aim splits packets"
 for line in 'map 2 2 0.1 0.1' 'facets' 'directions 3 3' 'detector map 2 2 0.1 0.1' 'photons "p"'; do
     grid="20000\n0.01 0.01\n20 20 3\n$line\n"
-    scene "$layers"
+    scene "1\n1.0\n1.4 1 60 0.8 0.3\n"
     expect_error 2 "$file: --aim Tt_r (expected $squares)" "$work/x.mci" --aim Tt_r --quiet -o "$work/d"
     expect_code 0 "$work/x.mci" --aim Tt --photons 100 --quiet -o "$work/d"
 done

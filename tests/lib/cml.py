@@ -78,9 +78,11 @@ def exact(text, *options):
 
 READS_H5 = """
 import h5py, json, sys
-for path in iter(sys.stdin.readline, ""):
-    with h5py.File(json.loads(path), locking=False) as file:
-        print(json.dumps({name: array[()].ravel().tolist() for name, array in file.items() if isinstance(array, h5py.Dataset)}), flush=True)
+for words in iter(sys.stdin.readline, ""):
+    path, wanted = json.loads(words)
+    with h5py.File(path, locking=False) as file:
+        arrays = {name: file[name] for name in file if wanted is None or name in wanted}
+        print(json.dumps({name: array[()].ravel().tolist() for name, array in arrays.items() if isinstance(array, h5py.Dataset)}), flush=True)
 """
 
 
@@ -92,21 +94,16 @@ def h5_reader():
     return subprocess.Popen([python, "-c", READS_H5], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
 
-def read_h5(path):
-    """Reads an .h5 file. Returns its arrays as flat lists: {name: [values]}."""
-    try:
-        import h5py
-    except ImportError:
-        reader = h5_reader()
-        print(json.dumps(path), file=reader.stdin, flush=True)
-        return json.loads(reader.stdout.readline())
-    with h5py.File(path, locking=False) as file:
-        return {name: array[()].ravel().tolist() for name, array in file.items() if isinstance(array, h5py.Dataset)}
+def read_h5(path, wanted=None):
+    """Reads an .h5 file. Returns its arrays, or only those in `wanted`, as flat lists: {name: [values]}."""
+    reader = h5_reader()
+    print(json.dumps([path, wanted]), file=reader.stdin, flush=True)
+    return json.loads(reader.stdout.readline())
 
 
-def read_sections(path):
-    """Reads the sections of an .mco file that have one number per line, and arrays that only the .h5 beside it has: {key: [values]}. Errors of X
-    are se_X."""
+def read_sections(path, wanted=None):
+    """Reads the sections of an .mco file that have one number per line, and arrays that only the .h5 beside it has, or of these only `wanted`:
+    {key: [values]}. Errors of X are se_X."""
     sections, key, more = {}, None, False
     with open(path, encoding="utf-8") as file:
         for line in file:
@@ -119,7 +116,7 @@ def read_sections(path):
                 sections[key] = []
             elif key:
                 sections[key].append(float(word[0]))
-    beside = read_h5(os.path.splitext(path)[0] + ".h5") if more else {}
+    beside = read_h5(os.path.splitext(path)[0] + ".h5", wanted) if more else {}
     for total in ("Rsp", "Rd", "A", "Tt"):  # sections RAT and se_RAT hold these totals
         beside.pop(total, None), beside.pop(total + "_se", None)
     for name, values in beside.items():

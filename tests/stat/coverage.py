@@ -38,13 +38,16 @@ LIT = ((2048, 100), (cml.repeats(131072), 40))  # (photons, runs) under other li
 LIT_PACKETS, NOISES, KINDS = 10, 3, {"profiles": PROFILES, "directions": ["Rd_dir", "Tt_dir"]}
 
 
+DIRECTIONS = [key + error for key in KINDS["directions"] for error in ("", "_se")]  # a file has thirty arrays more
+
+
 def fly(scene, photons, runs, *options):
     """Returns the records of `runs` runs, with the sections of their files."""
     with tempfile.TemporaryDirectory(dir=SCRATCH) as keep:
         text = cml.repeated(runs, photons=photons, **scene)
         records = cml.run(text, "--seed", 41, "--threads", 1, *options, keep=keep)
         for record in records:
-            record.update(cml.read_sections(record["output"]))
+            record.update(cml.read_sections(record["output"], DIRECTIONS))
     return records
 
 

@@ -221,7 +221,8 @@ static void every_packet_is_flown_once_in_its_batch(void **state)
     for (int t = 0; t < 4; t++)
         for (int c = 0; c < 5; c++)
             for (int m = 0; m < 3; m++) {
-                if (SANITIZED && (t + c + m) % 4) continue; /* all numbers, in a quarter of their combinations */
+                /* with sanitizers, all numbers in a quarter of their combinations */
+                if (SANITIZED && (t + c + m) % 4) continue;
                 struct ledger ledger = {.most = most[m]};
                 bench.options.threads = threads[t];
                 bench.options.chunk = chunks[c];

@@ -209,6 +209,7 @@ class InProcess(unittest.TestCase):
         def interrupt():
             time.sleep(0.7)
             signal.pthread_kill(main, signal.SIGINT)
+        self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))  # a test that was started with & ignores it
         endless = {"photons": 1e13, "threads": 1}
         for name, work in (("run", lambda: mc.run(sample("thick"), **endless)), ("sweep", lambda: mc.sweep(sample("thick"), {"layer1.mua": [1, 2]}, **endless)),
                            ("sweep of one flight", lambda: mc.sweep(sample("thick"), {"layer1.mua": [1, 2]}, reweight=True, **endless)),

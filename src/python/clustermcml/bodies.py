@@ -11,7 +11,7 @@ from typing import Any, Optional
 from . import errors
 from .options import Path
 from .phases import Phase
-from .surfaces import Mesh, Rough, check_rough, shortest
+from .surfaces import ROUGH, Mesh, Rough, shortest
 
 
 def check_medium(owner: Any) -> None:
@@ -21,13 +21,12 @@ def check_medium(owner: Any) -> None:
     errors.at_least_zero(name + ".mua", owner.mua)
     errors.at_least_zero(name + ".mus", owner.mus)
     errors.number(name + ".g", owner.g, -1, 1, "a number from -1 to 1")
-    if not isinstance(owner.phase, (Phase, type(None))):
-        raise errors.refuse(name + ".phase", owner.phase, "a Phase or None")
+    errors.optional(name + ".phase", owner.phase, Phase, "a Phase or None")
 
 
 def _check_body(body: "Sphere | Cylinder | Body") -> None:
     check_medium(body)
-    check_rough(type(body).__name__ + ".rough", body.rough)
+    errors.optional(type(body).__name__ + ".rough", body.rough, *ROUGH)
 
 
 def _rough_word(rough: Optional[Rough]) -> str:

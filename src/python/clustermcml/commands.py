@@ -42,11 +42,8 @@ def _of_scene(command: str, scene: Union[Scene, Path], options: Mapping[str, obj
     else:
         with as_file(scene) as (path, scratch):
             told = say([command, path, "--json", *words, *given], scratch, fine=fine)
-    runs: list[dict[str, Any]] = list(map(json.loads, told))
-    for run in runs:
-        if isinstance(scene, Scene):
-            run.pop("scene", None)
-    return runs
+    hidden = "scene" if isinstance(scene, Scene) else ""
+    return [{key: value for key, value in json.loads(line).items() if key != hidden} for line in told]
 
 
 def version() -> str:

@@ -87,13 +87,23 @@ def _apart(work: Callable[[], None], cancelled: threading.Event) -> None:
     """Does the work. The main thread lets another one do it, so that it hears of signals. An exception here cancels the work and awaits its end."""
     if threading.current_thread() is not threading.main_thread():
         return work()
-    from concurrent.futures import ThreadPoolExecutor
-    with ThreadPoolExecutor(1) as threads:
-        try:
-            threads.submit(work).result()
-        except BaseException:
-            cancelled.set()
-            raise
+    done = threading.Event()
+
+    def report() -> None:
+        work()
+        done.set()
+
+    def wait() -> None:  # Thread.join would take an interrupt for the end of the thread
+        while not done.wait(1) and thread.is_alive():
+            pass
+    thread = threading.Thread(target=report)
+    try:
+        thread.start()
+        wait()
+    except BaseException:
+        cancelled.set()
+        wait()
+        raise
 
 
 class Runs:

@@ -19,7 +19,7 @@ from .detectors import Detector
 from .options import Path
 from .photons import Saved
 from .phases import Phase
-from .surfaces import Rough, Surface, check_rough, check_surface, shortest, vector
+from .surfaces import ROUGH, SURFACE, Rough, Surface, shortest, vector
 from .top import NUMBERS, Face, Port, Top, check_name, check_reflector, check_shape, place_words, reflector_numbers
 
 MOST_PHOTONS = 2**48
@@ -63,7 +63,7 @@ class Layer:
     top_rough: Optional[Rough] = None
 
     def __post_init__(self) -> None:
-        check_rough("Layer.top_rough", self.top_rough)
+        errors.optional("Layer.top_rough", self.top_rough, *ROUGH)
         if self.name is not None and not (isinstance(self.name, str) and re.fullmatch("[A-Za-z_][A-Za-z0-9_]{0,23}", self.name)):
             raise errors.refuse("Layer.name", self.name, "1 to 24 letters, digits and underscores, the first of them no digit")
         if self.name is not None and TAKEN.fullmatch(self.name):
@@ -72,7 +72,7 @@ class Layer:
             raise errors.refuse("Layer.bodies", self.bodies, "a list of Sphere, Cylinder and Body")
         check_medium(self)
         errors.at_least_zero("Layer.d", self.d)
-        check_surface("Layer.top", self.top)
+        errors.optional("Layer.top", self.top, *SURFACE)
 
 
 SHAPES = {"pencil": (), "disk": ("radius",), "gaussian": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "image": (), "port": ()}
@@ -397,15 +397,12 @@ class Scene:
             errors.above_zero("Scene." + name, getattr(self, name))
         for name in ("nr", "nz", "na"):
             errors.whole("Scene." + name, getattr(self, name), 1, 2**31 - 1)
-        check_surface("Scene.bottom", self.bottom)
-        check_rough("Scene.bottom_rough", self.bottom_rough)
         several = isinstance(self.beam, (list, tuple)) and bool(self.beam) and all(isinstance(beam, Beam) for beam in self.beam)
         if not isinstance(self.beam, Beam) and not several:
             raise errors.refuse("Scene.beam", self.beam, "a Beam, or a list of Beam")
-        for name, kind, expected in (("backing", Backing, "a Backing or None"), ("map", Map, "a Map"), ("time", Time, "a Time"),
-                                     ("directions", Directions, "Directions"), ("saved", Saved, "a Saved or None")):
-            if not isinstance(getattr(self, name), (kind, type(None))):
-                raise errors.refuse("Scene." + name, getattr(self, name), expected)
+        for name, kinds, expected in (("bottom", *SURFACE), ("bottom_rough", *ROUGH), ("backing", Backing, "a Backing or None"), ("map", Map, "a Map"),
+                                      ("time", Time, "a Time"), ("directions", Directions, "Directions"), ("saved", Saved, "a Saved or None")):
+            errors.optional("Scene." + name, getattr(self, name), kinds, expected)
         if not isinstance(self.detectors, (list, tuple)) or not all(isinstance(detector, Detector) for detector in self.detectors):
             raise errors.refuse("Scene.detectors", self.detectors, "a list of Detector")
         if not isinstance(self.top, (list, tuple)) or not all(isinstance(item, (Face, Port)) for item in self.top):

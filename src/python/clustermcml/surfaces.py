@@ -311,16 +311,6 @@ class Rough:
         return f"{self.kind}{separator}{shortest(self.alpha)}"
 
 
-def check_rough(name: str, value: object) -> None:
-    """Refuses all but a Rough and None."""
-    if value is not None and not isinstance(value, Rough):
-        raise errors.refuse(name, value, "a Rough, or None for a smooth surface")
-
-
 Surface = Union[Heightfield, Heightmap, Mesh, Relief]
-
-
-def check_surface(name: str, value: object) -> None:
-    """Refuses all but a surface and None."""
-    if value is not None and not isinstance(value, (Heightfield, Heightmap, Mesh, Relief)):
-        raise errors.refuse(name, value, "a Heightfield, a Heightmap, a Mesh, a Relief, or None for a plane")
+SURFACE = (Heightfield, Heightmap, Mesh, Relief), "a Heightfield, a Heightmap, a Mesh, a Relief, or None for a plane"  # for errors.optional
+ROUGH = Rough, "a Rough, or None for a smooth surface"

@@ -110,7 +110,9 @@ others() { # FOLDER NAME...
     shift
     (cd "$work/here" && find "$@" -name '*.mco' -o -name '*.h5') >"$work/names"
     while read -r file; do
-        content "$work/here/$file" >"$work/a" && test -s "$work/a" && content "$folder/$file" 2>&1 | cmp -s - "$work/a" || echo "$folder/$file"
+        text=$work/here/$file.text
+        test -s "$text" || content "$work/here/$file" >"$text"
+        content "$folder/$file" 2>&1 | cmp -s - "$text" && test -s "$text" || echo "$folder/$file"
     done <"$work/names"
 }
 

@@ -17,11 +17,8 @@ const struct cml_setting *cml_settings_find(const struct cml_settings *settings,
  * setting from --set has column 0. */
 cml_status cml_setting_fail(const struct cml_setting *setting, const char *expected, struct cml_error *err)
 {
-    char field[CML_SETTING_NAME + 32];
-    if (setting->column > 0)
-        snprintf(field, sizeof field, "column %d, %s", setting->column, setting->name);
-    else
-        snprintf(field, sizeof field, "%s", setting->name);
+    const char *field =
+        setting->column > 0 ? CML_TEXT("column %d, %s", setting->column, setting->name) : setting->name;
     return cml_fail_field(err, setting->source, setting->line, field, setting->value, expected);
 }
 
@@ -30,17 +27,12 @@ cml_status cml_setting_fail(const struct cml_setting *setting, const char *expec
 cml_status cml_settings_copy(struct cml_settings *settings, const struct cml_setting *setting,
                              struct cml_error *err)
 {
-    char expected[160];
     const struct cml_setting *same = cml_settings_find(settings, setting->name);
-    if (same) {
-        snprintf(expected, sizeof expected, "one value, but %.80s has set it to %.40s", same->source,
-                 same->value);
-        return cml_setting_fail(setting, expected, err);
-    }
-    if (settings->count == CML_MOST_SETTINGS) {
-        snprintf(expected, sizeof expected, "at most %d values", CML_MOST_SETTINGS);
-        return cml_setting_fail(setting, expected, err);
-    }
+    if (same)
+        return cml_setting_fail(
+            setting, CML_TEXT("one value, but %.80s has set it to %.40s", same->source, same->value), err);
+    if (settings->count == CML_MOST_SETTINGS)
+        return cml_setting_fail(setting, CML_TEXT("at most %d values", CML_MOST_SETTINGS), err);
     settings->item[settings->count++] = *setting;
     return CML_OK;
 }

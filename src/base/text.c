@@ -30,10 +30,8 @@ static cml_status fail_reading(const char *path, const char *reason, const char 
 static cml_status fail_large(const char *path, const char *more, unsigned long long size, size_t most,
                              struct cml_error *err)
 {
-    char reason[60], expected[60];
-    snprintf(reason, sizeof reason, "it has %s%llu bytes", more, size);
-    snprintf(expected, sizeof expected, "a table of at most %zu bytes", most);
-    return fail_reading(cml_text_name(path), reason, expected, err);
+    return fail_reading(cml_text_name(path), CML_TEXT("it has %s%llu bytes", more, size),
+                        CML_TEXT("a table of at most %zu bytes", most), err);
 }
 
 /* Refuses a regular file of more than `most` bytes before it is read. */
@@ -262,6 +260,15 @@ cml_status cml_text_format(char **text, const char *what, struct cml_error *err,
     if (good) return CML_OK;
     *text = NULL;
     return cml_fail_memory(err, 0, what);
+}
+
+const char *cml_text_short(char text[CML_TEXT_SIZE], const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text, CML_TEXT_SIZE, format, values);
+    va_end(values);
+    return text;
 }
 
 /* Closes a stream of open_memstream. On any failure, frees the text, sets it to NULL and reports a lack of

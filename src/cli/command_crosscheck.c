@@ -4,6 +4,7 @@
 
 #include "base/atomic_file.h"
 #include "base/json_name.h"
+#include "base/text.h"
 #include "base/version.h"
 #include "result/quantity.h"
 #include "run/cluster/cluster.h"
@@ -106,10 +107,9 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
         if (!has_total(setup, t)) continue;
         const char *name = cml_quantities[cml_quantity_of_total(t)].name;
         const struct cml_check_total *total = &pair->total[t];
-        char error[32];
-        snprintf(error, sizeof error, "%s_se", name);
         json_object_set_new(side, name, cml_json_real(cml_result_total(sums, (enum cml_total)t)));
-        json_object_set_new(side, error, cml_json_real(cml_result_error(sums, (enum cml_total)t)));
+        json_object_set_new(side, CML_TEXT("%s_se", name),
+                            cml_json_real(cml_result_error(sums, (enum cml_total)t)));
         json_object_set_new(differences, name,
                             json_pack("{s:o, s:o, s:o}", "mean", cml_json_real(total->mean), "error",
                                       cml_json_real(total->error), "z", cml_json_real(total->z)));

@@ -183,9 +183,8 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
  * set the value. */
 static cml_status fail_label(const struct cml_sweep_table *table, int column, struct cml_error *err)
 {
-    char field[32];
-    snprintf(field, sizeof field, "column %d", column + 1);
-    return cml_fail_field(err, table->text.path, table->names_line, field, table->name[column],
+    return cml_fail_field(err, table->text.path, table->names_line, CML_TEXT("column %d", column + 1),
+                          table->name[column],
                           "the name without quotation marks, if it is to be set; a label has a name that "
                           "nothing in the scene has");
 }

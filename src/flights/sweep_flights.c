@@ -138,11 +138,8 @@ static cml_status identify_group(const struct cml_sweep_run *sweep, struct group
 {
     size_t size = 0;
     FILE *out = open_memstream(&group->identity, &size);
-    for (int i = 0; out && i < group->count; i++) {
-        char prefix[40];
-        snprintf(prefix, sizeof prefix, "row %d set ", group->row[i] + 1);
-        cml_text_print(out, prefix, group->scene[i]->settings);
-    }
+    for (int i = 0; out && i < group->count; i++)
+        cml_text_print(out, CML_TEXT("row %d set ", group->row[i] + 1), group->scene[i]->settings);
     if (out) fputs(sweep->identity, out);
     return cml_text_end(out, &group->identity, &size, "the run's identity", err);
 }

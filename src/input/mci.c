@@ -73,11 +73,9 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
  * number. */
 static cml_status check_keyword(const struct cml_mci_reader *reader, const char *field)
 {
-    char expected[200];
     const char *meant = cml_mci_meant_keyword(reader);
     if (!meant) return CML_OK;
-    snprintf(expected, sizeof expected, "%s; did you mean %s?", field, meant);
-    return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
+    return cml_mci_fail(reader, "line", cml_mci_raw(reader), CML_TEXT("%s; did you mean %s?", field, meant));
 }
 
 /* Keyword lines of a run: the function that reads the line, or the keys that the line has. line: offset of
@@ -109,17 +107,16 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
                                 struct cml_scene *scene)
 {
     const char *word = cml_mci_keywords[kind].word;
-    char text[64];
     if (run_lines[kind].line > 0) {
         int *line = (int *)((char *)scene + run_lines[kind].line);
-        snprintf(text, sizeof text, "one %s line per run", word);
-        if (*line) return cml_mci_fail(reader, "line", cml_mci_raw(reader), text);
+        if (*line)
+            return cml_mci_fail(reader, "line", cml_mci_raw(reader), CML_TEXT("one %s line per run", word));
         *line = reader->text.line;
     }
     cml_mci_cut_comment(reader->cursor);
     if (run_lines[kind].read) return run_lines[kind].read(reader, scene);
-    snprintf(text, sizeof text, "text after %s", word);
-    if (run_lines[kind].keys == CML_KEYS_NONE) return cml_mci_end_line(reader, text);
+    if (run_lines[kind].keys == CML_KEYS_NONE)
+        return cml_mci_end_line(reader, CML_TEXT("text after %s", word));
     struct cml_mci_line line = {
         .reader = reader,
         .owner = word,
@@ -167,13 +164,11 @@ static cml_status check_output(const struct cml_mci_reader *reader, const struct
 {
     const char *wrong = cml_mci_why_no_name(name);
     if (wrong) return cml_mci_fail(reader, "output name", name, wrong);
-    for (int i = 0; i < list->count - 1; i++) {
-        if (strcmp(list->scenes[i].output, name) != 0) continue;
-        char expected[80];
-        snprintf(expected, sizeof expected, "another name than that of the run in line %d",
-                 list->scenes[i].line);
-        return cml_mci_fail(reader, "output name", name, expected);
-    }
+    for (int i = 0; i < list->count - 1; i++)
+        if (strcmp(list->scenes[i].output, name) == 0)
+            return cml_mci_fail(
+                reader, "output name", name,
+                CML_TEXT("another name than that of the run in line %d", list->scenes[i].line));
     return CML_OK;
 }
 
@@ -220,11 +215,9 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const struct 
     const double nz = scene->nz, nr = scene->nr, na = scene->na;
     const double cells = nr * nz + 2 * nr * na + nz + 2 * nr + 2 * na;
     if (cells <= MAX_CELLS) return CML_OK;
-    char value[80], expected[120];
-    snprintf(value, sizeof value, "%.0f %.0f %.0f", nz, nr, na);
-    snprintf(expected, sizeof expected, "at most 2^31 cells in all arrays together, not %.3g (%.3g GiB)",
-             cells, cells * 8 / 1073741824.0);
-    return cml_mci_fail(reader, "nz nr na", value, expected);
+    return cml_mci_fail(reader, "nz nr na", CML_TEXT("%.0f %.0f %.0f", nz, nr, na),
+                        CML_TEXT("at most 2^31 cells in all arrays together, not %.3g (%.3g GiB)", cells,
+                                 cells * 8 / 1073741824.0));
 }
 
 /* Reads the first data lines of a run: number of photons, sizes of bins (dz dr) and numbers of bins (nz nr
@@ -285,8 +278,7 @@ static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *
 /* Reads the line of a layer. Keyword lines of the boundary above it, number layer - 1, may come first. */
 static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *scene, int layer)
 {
-    char owner[32];
-    snprintf(owner, sizeof owner, "layer %d", layer);
+    const char *owner = CML_TEXT("layer %d", layer);
     CML_TRY(next_data_line(reader, STAGE_LAYERS, scene, layer - 1, owner));
     if (numbers_alone(reader->cursor) == 1)
         return cml_mci_fail(reader, owner, cml_mci_raw(reader),
@@ -414,11 +406,12 @@ static cml_status refuse_version(const struct cml_mci_reader *reader, const char
 {
     static const char later[] = "mcmli";
     const size_t size = strlen(later);
-    char expected[100] = "a number: 1.0";
-    if (strncmp(version, later, size) == 0 && version[size] >= '2' && version[size] <= '9')
-        snprintf(expected, sizeof expected,
-                 "1.0, the format of MCML 1; this is input of MCML %c, which is not read", version[size]);
-    return cml_mci_fail(reader, "file version", version, expected);
+    const bool is_later = strncmp(version, later, size) == 0 && version[size] >= '2' && version[size] <= '9';
+    return cml_mci_fail(
+        reader, "file version", version,
+        is_later ? CML_TEXT("1.0, the format of MCML 1; this is input of MCML %c, which is not read",
+                            version[size])
+                 : "a number: 1.0");
 }
 
 /* Reads the version. Any number is accepted, because original MCML does not look at it. */

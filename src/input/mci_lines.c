@@ -229,9 +229,9 @@ void cml_mci_note(const struct cml_mci_reader *reader, int line, const char *for
 cml_status cml_mci_fail_key(const struct cml_mci_reader *reader, const char *owner, const struct cml_key *key,
                             const char *word)
 {
-    char name[80], expected[CML_KEY_TEXT];
-    snprintf(name, sizeof name, "%s%s%s", owner ? owner : "", owner ? ": " : "", cml_key_shown(key));
-    return cml_mci_fail(reader, name, word, cml_key_expected(key, expected));
+    char expected[CML_KEY_TEXT];
+    return cml_mci_fail(reader, CML_TEXT("%s%s%s", owner ? owner : "", owner ? ": " : "", cml_key_shown(key)),
+                        word, cml_key_expected(key, expected));
 }
 
 /* Reads the next word of a line as the value of `key`, and stores it in the struct at `base`. */
@@ -285,17 +285,15 @@ cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner, con
     double surplus = 0;
     const char *word = cml_text_word(&reader->cursor), *before = owner ? owner : "",
                *colon = owner ? ": " : "";
-    char name[80];
-    if (word && is_other_unit(word)) {
-        snprintf(name, sizeof name, "%s%sunit", before, colon);
-        return cml_mci_fail(reader, name, word, "none: lengths are in cm, coefficients in 1/cm");
-    }
+    if (word && is_other_unit(word))
+        return cml_mci_fail(reader, CML_TEXT("%s%sunit", before, colon), word,
+                            "none: lengths are in cm, coefficients in 1/cm");
     if (!word || !cml_parse_double(word, &surplus)) return CML_OK;
     while (parts[1].group != CML_KEYS_NONE) parts++;
     const struct cml_key *last = cml_keys_of(parts->group);
     while (last[1].group == last->group) last++;
-    snprintf(name, sizeof name, "%s%snumber after %s", before, colon, cml_key_shown(last));
-    return cml_mci_fail(reader, name, word, "the end of the line or a comment");
+    return cml_mci_fail(reader, CML_TEXT("%s%snumber after %s", before, colon, cml_key_shown(last)), word,
+                        "the end of the line or a comment");
 }
 
 /* Refuses further words where the line should end; a comment is allowed. */
@@ -322,9 +320,9 @@ cml_status cml_mci_table(struct cml_mci_reader *reader, const char *owner, const
                          void *context)
 {
     struct cml_mci_reader rows = {.options = reader->options, .err = reader->err};
-    char *path = NULL, field[64];
-    snprintf(field, sizeof field, "%s: file", owner);
-    if (!name || *name == '"' || *name == '\0') return cml_mci_fail(reader, field, name, expected);
+    char *path = NULL;
+    if (!name || *name == '"' || *name == '\0')
+        return cml_mci_fail(reader, CML_TEXT("%s: file", owner), name, expected);
     CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
     cml_status status = cml_text_read_table(reader->options->source, path, &rows.text, reader->err);
     if (status == CML_OK) status = read(&rows, context);

@@ -74,15 +74,13 @@ enum cml_key_group cml_mci_phase_keys(const struct cml_phase *phase)
 static cml_status read_phase(struct cml_mci_reader *reader, const char *owner_word, int number,
                              struct cml_phase *phase)
 {
-    char owner[48], field[64];
-    snprintf(owner, sizeof owner, "%s %d: phase", owner_word, number);
-    snprintf(field, sizeof field, "%s: kind", owner);
+    const char *owner = CML_TEXT("%s %d: phase", owner_word, number);
     cml_mci_cut_comment(reader->cursor);
     const char *word = cml_text_word(&reader->cursor);
     while (phase->kind < CML_PHASE_KINDS && (!word || strcmp(cml_phase_name(phase->kind), word) != 0))
         phase->kind++;
     if (phase->kind == CML_PHASE_KINDS)
-        return cml_mci_fail(reader, field, word, "hg2, mhg, gk, rayleigh or table");
+        return cml_mci_fail(reader, CML_TEXT("%s: kind", owner), word, "hg2, mhg, gk, rayleigh or table");
     CML_TRY(phase->kind == CML_PHASE_TABLE
                 ? cml_mci_table(reader, owner, cml_text_word(&reader->cursor),
                                 "the name of a file of angles and densities", read_rows, phase)
@@ -159,20 +157,16 @@ static cml_status check_absorption(const struct cml_mci_reader *reader, const st
                                    const char *owner_word, int number, const struct cml_medium_def *medium)
 {
     static const char expected[] = "0, or at least 1e-11 of mua + mus";
-    char name[CML_SETTING_NAME], field[48], value[32];
     const struct cml_settings *settings = reader->options->settings;
     const double mut = cml_medium_mut(medium);
     if (!(medium->mua > 0 && medium->mua < CML_LEAST_ABSORPTION * mut)) return CML_OK;
-    snprintf(name, sizeof name, "%s%d.mua", owner_word, number);
-    snprintf(field, sizeof field, "%s %d: mua", owner_word, number);
-    snprintf(value, sizeof value, "%g", medium->mua);
-    const struct cml_setting *mua = settings ? cml_settings_find(settings, name) : NULL;
-    if (settings && !mua && strcmp(owner_word, "layer") == 0) {
-        snprintf(name, sizeof name, "%s.mua", cml_layer_name(scene, number));
-        mua = cml_settings_find(settings, name);
-    }
-    return mua ? cml_setting_fail(mua, expected, reader->err)
-               : cml_fail_field(reader->err, scene->file, medium->line, field, value, expected);
+    const struct cml_setting *mua =
+        settings ? cml_settings_find(settings, CML_TEXT("%s%d.mua", owner_word, number)) : NULL;
+    if (settings && !mua && strcmp(owner_word, "layer") == 0)
+        mua = cml_settings_find(settings, CML_TEXT("%s.mua", cml_layer_name(scene, number)));
+    if (mua) return cml_setting_fail(mua, expected, reader->err);
+    return cml_fail_field(reader->err, scene->file, medium->line, CML_TEXT("%s %d: mua", owner_word, number),
+                          CML_TEXT("%g", medium->mua), expected);
 }
 
 /* Refuses a phase function whose mean cosine is not the medium's g. */
@@ -180,12 +174,10 @@ static cml_status check_mean(const struct cml_mci_reader *reader, const struct c
                              const char *owner_word, int number, const struct cml_medium_def *medium,
                              double mean)
 {
-    char field[64], value[32], expected[80];
     if (fabs(mean - medium->g) <= 1.0000001e-3) return CML_OK;
-    snprintf(field, sizeof field, "%s %d: phase: mean cosine", owner_word, number);
-    snprintf(value, sizeof value, "%.6g", mean);
-    snprintf(expected, sizeof expected, "the medium's g = %g to 1e-3", medium->g);
-    return cml_fail_field(reader->err, scene->file, medium->phase_line, field, value, expected);
+    return cml_fail_field(reader->err, scene->file, medium->phase_line,
+                          CML_TEXT("%s %d: phase: mean cosine", owner_word, number), CML_TEXT("%.6g", mean),
+                          CML_TEXT("the medium's g = %g to 1e-3", medium->g));
 }
 
 /* Checks all media when all numbers are known: that rounding does not lose the absorption, and that a
@@ -213,7 +205,7 @@ cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct
  * Lambertian reflector of reflectance R. */
 cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing)
 {
-    char expected[CML_KEY_TEXT], either[CML_KEY_TEXT + 20];
+    char expected[CML_KEY_TEXT];
     const struct cml_key *R = cml_keys_of(CML_KEYS_BACKING);
     if (backing->kind != CML_BACKING_NONE)
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one backing line");
@@ -225,9 +217,9 @@ cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def
         CML_TRY(cml_mci_leading_numbers(reader, "backing", CML_KEY_PARTS({CML_KEYS_METAL, backing})));
         return cml_mci_end_line(reader, "backing");
     }
-    snprintf(either, sizeof either, "%s, or metal N K", cml_key_expected(R, expected));
     if (!word || !cml_key_parse(R, word, &backing->R))
-        return cml_mci_fail(reader, "backing: R", word, either);
+        return cml_mci_fail(reader, "backing: R", word,
+                            CML_TEXT("%s, or metal N K", cml_key_expected(R, expected)));
     word = cml_text_word(&reader->cursor);
     const bool diffuse = word && strcmp(word, "lambertian") == 0;
     if (word && !diffuse && strcmp(word, "mirror") != 0)
@@ -262,18 +254,16 @@ bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
 /* Reads a line `rough` of boundary number `index`: the distribution of facet slopes and its width alpha. */
 cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index, struct cml_rough_def *rough)
 {
-    char field[48], expected[96];
-    snprintf(field, sizeof field, "boundary %d: rough", index);
-    snprintf(expected, sizeof expected, "one rough line for boundary %d, which already has line %d", index,
-             rough->line);
-    if (rough->line > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
+    const char *owner = CML_TEXT("boundary %d", index);
+    if (rough->line > 0)
+        return cml_mci_fail(reader, "line", cml_mci_raw(reader),
+                            CML_TEXT("one rough line for %s, which already has line %d", owner, rough->line));
     cml_mci_cut_comment(reader->cursor);
     const char *name = cml_text_word(&reader->cursor);
-    if (!set_rough_kind(name, rough)) return cml_mci_fail(reader, field, name, "ggx or beckmann");
-    snprintf(field, sizeof field, "boundary %d", index);
-    CML_TRY(cml_mci_leading_numbers(reader, field, CML_KEY_PARTS({CML_KEYS_ROUGH, rough})));
-    snprintf(field, sizeof field, "boundary %d: rough alpha", index);
-    CML_TRY(cml_mci_end_line(reader, field));
+    if (!set_rough_kind(name, rough))
+        return cml_mci_fail(reader, CML_TEXT("%s: rough", owner), name, "ggx or beckmann");
+    CML_TRY(cml_mci_leading_numbers(reader, owner, CML_KEY_PARTS({CML_KEYS_ROUGH, rough})));
+    CML_TRY(cml_mci_end_line(reader, CML_TEXT("%s: rough alpha", owner)));
     rough->line = reader->text.line;
     return CML_OK;
 }

@@ -10,9 +10,7 @@
 cml_status cml_mci_fail_option(const struct cml_mci_line *line, const char *field, const char *value,
                                const char *expected)
 {
-    char name[80];
-    snprintf(name, sizeof name, "%s: %s", line->owner, field);
-    return cml_mci_fail(line->reader, name, value, expected);
+    return cml_mci_fail(line->reader, CML_TEXT("%s: %s", line->owner, field), value, expected);
 }
 
 /* Refuses the value of the option that was read last. */
@@ -42,9 +40,8 @@ static cml_status fail_unknown(const struct cml_mci_line *line, const char *word
                             own ? key->noun : key->name, own || key->type == CML_KEY_FLAG ? "" : "=");
         }
     if (last == list || strstr(last, " or ")) return cml_mci_fail_option(line, "option", word, list);
-    char expected[220];
-    snprintf(expected, sizeof expected, "%.*s or %s", (int)(last - list), list, last + 2);
-    return cml_mci_fail_option(line, "option", word, expected);
+    return cml_mci_fail_option(line, "option", word,
+                               CML_TEXT("%.*s or %s", (int)(last - list), list, last + 2));
 }
 
 /* Returns the index of a value among the words of its key; -1: none of them. */
@@ -146,14 +143,13 @@ cml_status cml_mci_take_name(const struct cml_mci_line *line, char **name)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
     const char *word = line->value;
-    char expected[80];
     const size_t size = strlen(word);
     if (size == 0 || size >= CML_DETECTOR_NAME || strspn(word, letters) < size)
         return cml_mci_fail_value(line, line->key->noun);
     const char *ending = cml_quantity_ending(word);
     if (!ending) return cml_text_copy(word, name, line->reader->err);
-    snprintf(expected, sizeof expected, "a name that does not end in %s, as names of results do", ending);
-    return cml_mci_fail_value(line, expected);
+    return cml_mci_fail_value(line,
+                              CML_TEXT("a name that does not end in %s, as names of results do", ending));
 }
 
 cml_status cml_mci_take_port(const struct cml_mci_line *line, char **name)

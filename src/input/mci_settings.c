@@ -28,11 +28,10 @@ static cml_status set(const struct cml_mci_reader *reader, const struct cml_sett
 cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, double *scale, double *height)
 {
     struct cml_boundary factors = {.scale = *scale, .height = *height};
-    char name[CML_SETTING_NAME];
     const struct cml_key *key = cml_keys_of(CML_KEYS_SHAPE);
     for (; reader->options->settings && key->group == CML_KEYS_SHAPE; key++) {
-        snprintf(name, sizeof name, "boundary%d.%s", b, key->name);
-        const struct cml_setting *setting = cml_settings_find(reader->options->settings, name);
+        const struct cml_setting *setting =
+            cml_settings_find(reader->options->settings, CML_TEXT("boundary%d.%s", b, key->name));
         if (setting) CML_TRY(set(reader, setting, key, &factors));
     }
     *scale = factors.scale;
@@ -267,13 +266,14 @@ static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct
 static cml_status check_once(const struct cml_mci_reader *reader, const struct cml_settings *settings, int i,
                              const void *const *place)
 {
-    char expected[256];
     int k = 0;
     while (k < i && place[k] != place[i]) k++;
     if (k == i) return CML_OK;
-    snprintf(expected, sizeof expected, "one value, but %.63s of %.80s has set it to %.30s",
-             settings->item[k].name, settings->item[k].source, settings->item[k].value);
-    return cml_setting_fail(&settings->item[i], expected, reader->err);
+    const struct cml_setting *first = &settings->item[k];
+    return cml_setting_fail(&settings->item[i],
+                            CML_TEXT("one value, but %.63s of %.80s has set it to %.30s", first->name,
+                                     first->source, first->value),
+                            reader->err);
 }
 
 /* Finds the member *key of the struct *base that a setting means; *key NULL: the scene has no such number. */
@@ -397,7 +397,6 @@ static const char *why_no_layer_name(const struct cml_scene *scene, int layer, c
 cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, int layer,
                               struct cml_scene *scene)
 {
-    char field[64];
     cml_mci_cut_comment(reader->cursor);
     CML_TRY(refuse_rough(reader, owner));
     char *word = cml_mci_find_word(reader->cursor, "name=");
@@ -408,8 +407,7 @@ cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, 
     const bool again = *word && cml_mci_find_word(word + 1, "name=");
     *word = '\0';
     const char *expected = again ? "one name" : why_no_layer_name(scene, layer, name);
-    snprintf(field, sizeof field, "%s: name", owner);
-    if (expected) return cml_mci_fail(reader, field, name, expected);
+    if (expected) return cml_mci_fail(reader, CML_TEXT("%s: name", owner), name, expected);
     const size_t layers = (size_t)scene->num_layers + 1;
     if (!scene->layer_names) scene->layer_names = calloc(layers, sizeof *scene->layer_names);
     if (!scene->layer_names)

@@ -2,6 +2,7 @@
 #include "simulation/aim.h"
 
 #include "aim/windows.h"
+#include "base/text.h"
 #include "simulation/scenes.h"
 #include "exact/tail_response.h"
 
@@ -57,13 +58,12 @@ static cml_status add_absorption(const char *name, int length, const struct cml_
                                  struct wanted *wanted, struct cml_error *err)
 {
     const int last = scene->num_layers, layer = atoi(name + strlen("A_l:"));
-    char expected[64];
-    snprintf(expected, sizeof expected,
-             last > 2   ? "a layer from 2 to %d, with others above it"
-             : last > 1 ? "layer 2, with another above it"
-                        : "Tt: there is one layer",
-             last);
-    if (layer < 2 || layer > last) return cml_aim_refuse(scene, name, length, expected, err);
+    if (layer < 2 || layer > last)
+        return cml_aim_refuse(scene, name, length,
+                              last > 2   ? CML_TEXT("a layer from 2 to %d, with others above it", last)
+                              : last > 1 ? "layer 2, with another above it"
+                                         : "Tt: there is one layer",
+                              err);
     add_layer(layer, level > 0 && layer > level, wanted);
     return CML_OK;
 }
@@ -124,10 +124,9 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
 {
     const int length = (int)strcspn(name, ","), layer = strncmp(name, "A_l:", 4) == 0 ? atoi(name + 4) : 0;
     const int score = layer ? layer - level : length == 2 && strncmp(name, "Tt", 2) == 0 ? 0 : -1;
-    char expected[80];
     if (score < (layer ? 1 : 0) || cml_flat_tail_has(tail, score)) return CML_OK;
-    snprintf(expected, sizeof expected, "an aim that at least %g of the light reaches", CML_TAIL_LEAST);
-    return cml_aim_refuse(scene, name, length, expected, err);
+    return cml_aim_refuse(scene, name, length,
+                          CML_TEXT("an aim that at least %g of the light reaches", CML_TAIL_LEAST), err);
 }
 
 /* Makes what an aim needs: weight windows, and a table of the flat tail if `tail` (takes longest). All names

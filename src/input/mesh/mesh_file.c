@@ -41,12 +41,9 @@ static cml_status split_face(const char *path, const struct cml_polygons *polygo
         memcpy(triangle[0], corner, sizeof triangle[0]);
         return CML_OK;
     }
-    if (size > CML_POLYGON_MAX_CORNERS) {
-        char why[40], expected[24];
-        snprintf(why, sizeof why, "has %u corners", size);
-        snprintf(expected, sizeof expected, "3 to %d", CML_POLYGON_MAX_CORNERS);
-        return fail_face(path, polygons, face, why, expected, err);
-    }
+    if (size > CML_POLYGON_MAX_CORNERS)
+        return fail_face(path, polygons, face, CML_TEXT("has %u corners", size),
+                         CML_TEXT("3 to %d", CML_POLYGON_MAX_CORNERS), err);
     double bend = 0;
     const char *why = cml_polygon_split((const double(*)[3])polygons->vertex, corner, size, triangle, &bend);
     bent->count += bend > 0;

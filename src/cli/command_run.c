@@ -44,8 +44,7 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
     for (int i = 1; status == CML_OK && i < list->count; i++)
         status = cml_aim_check(session->options, &list->scenes[i], NULL, err);
     if (status == CML_OK && cml_cluster_rank() == 0)
-        status = cml_outputs_claim(session->options, list, list->count, inputs, cml_show_note,
-                                   &session->outputs, err);
+        status = cml_outputs_claim(session->options, list, list->count, inputs, &session->outputs, err);
     return cml_cluster_agree(status, err);
 }
 

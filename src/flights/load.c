@@ -75,14 +75,11 @@ cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly,
 static void warn_of_binding(int threads)
 {
     struct cml_cores cores;
-    char text[160];
     cml_cores_mine(&cores);
     const int count = cml_cores_count(&cores);
     if (threads <= count || cml_cluster_rank() != 0) return;
-    snprintf(text, sizeof text,
-             "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
+    cml_note("%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
              count, count == 1 ? "" : "s");
-    cml_show_note(NULL, text);
 }
 
 int cml_choose_threads(const struct cml_options *options)

@@ -389,21 +389,16 @@ static cml_status check_clobber(const struct cml_options *options, const struct 
 }
 
 /* Notes results that do not lie below the folder of -o, because their names have a path. */
-static void note_elsewhere(const struct cml_options *options, const struct cml_outputs *outputs,
-                           void (*note)(void *context, const char *text))
+static void note_elsewhere(const struct cml_options *options, const struct cml_outputs *outputs)
 {
-    char *folder = options->directory ? realpath(options->directory, NULL) : NULL;
+    CML_FREED char *folder = options->directory ? realpath(options->directory, NULL) : NULL;
     for (size_t i = 0; folder && i < outputs->count; i++) {
         const char *name = outputs->file[i].name;
         const size_t length = strlen(folder);
-        char text[512];
-        if (outputs->file[i].kind != CML_OUTPUT_MAIN ||
-            (strncmp(name, folder, length) == 0 && name[length] == '/'))
-            continue;
-        snprintf(text, sizeof text, "%.300s is not below -o %.100s", name, options->directory);
-        note(NULL, text);
+        if (outputs->file[i].kind == CML_OUTPUT_MAIN &&
+            (strncmp(name, folder, length) != 0 || name[length] != '/'))
+            cml_note("%.300s is not below -o %.100s", name, options->directory);
     }
-    free(folder);
 }
 
 /* ---- files left by killed processes ---- */
@@ -475,8 +470,7 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
 }
 
 cml_status cml_outputs_claim(const struct cml_options *options, const struct cml_scene_list *list,
-                             int num_locks, const struct cml_inputs *inputs,
-                             void (*note)(void *context, const char *text), struct cml_outputs *outputs,
+                             int num_locks, const struct cml_inputs *inputs, struct cml_outputs *outputs,
                              struct cml_error *err)
 {
     const bool made = options->directory && access(options->directory, F_OK) != 0;
@@ -485,7 +479,7 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     if (made) outputs->made = options->directory;
     const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
     if (status == CML_OK)
-        note_elsewhere(options, outputs, note);
+        note_elsewhere(options, outputs);
     else
         cml_outputs_release(outputs);
     return status;

@@ -114,8 +114,7 @@ static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, s
     for (int i = tables; status == CML_OK && i < list.count; i++)
         status = cml_sweep_name_saved(sweep, i - tables, &scenes[i].saved.name, err);
     if (status == CML_OK)
-        status =
-            cml_outputs_claim(sweep->options, &list, 1, sweep->inputs, cml_show_note, &sweep->outputs, err);
+        status = cml_outputs_claim(sweep->options, &list, 1, sweep->inputs, &sweep->outputs, err);
     for (int i = 0; i < list.count; i++) {
         free(scenes[i].output);
         free(scenes[i].saved.name);
@@ -224,7 +223,6 @@ static int layer_of(const struct cml_sweep_table *table, int column, const struc
 static void note_numbers(const struct cml_sweep_table *table, const struct cml_scene *scene)
 {
     int count = 0, numbered = 0;
-    char text[512];
     for (int c = 0; c < table->num_columns; c++) {
         const int layer = layer_of(table, c, scene);
         int before = 0;
@@ -234,26 +232,20 @@ static void note_numbers(const struct cml_sweep_table *table, const struct cml_s
     }
     if (!numbered) return;
     if (scene->num_bodies == 0 && count == scene->num_layers) return;
-    snprintf(text, sizeof text,
-             "%.300s: layer%d counts from above, in a scene of %d layer%s and %d bod%s; name=NAME behind the "
+    cml_note("%.300s: layer%d counts from above, in a scene of %d layer%s and %d bod%s; name=NAME behind the "
              "numbers of a layer lets columns say NAME.mua",
              table->text.path, numbered, scene->num_layers, scene->num_layers == 1 ? "" : "s",
              scene->num_bodies, scene->num_bodies == 1 ? "y" : "ies");
-    cml_show_note(NULL, text);
 }
 
 /* Notes labels without quotation marks and numbered layers, on rank 0 when all rows are valid. */
 static void note_columns(const struct cml_sweep_run *sweep)
 {
     const struct cml_sweep_table *table = &sweep->table;
-    char text[512];
-    for (int c = 0; c < table->num_columns; c++) {
-        if (!sweep->unmarked[c]) continue;
-        snprintf(text, sizeof text,
-                 "%.300s:%d: column %d, %s, is a label: the scene has no number of that name",
-                 table->text.path, table->names_line, c + 1, table->name[c]);
-        cml_show_note(NULL, text);
-    }
+    for (int c = 0; c < table->num_columns; c++)
+        if (sweep->unmarked[c])
+            cml_note("%.300s:%d: column %d, %s, is a label: the scene has no number of that name",
+                     table->text.path, table->names_line, c + 1, table->name[c]);
     note_numbers(table, &sweep->base->scenes[0]);
 }
 
@@ -482,23 +474,11 @@ static void announce(const struct cml_sweep_run *sweep)
  * replaced, too. */
 static void note_replaced(const struct cml_sweep_run *sweep)
 {
-    char *csv = NULL, text[CML_REPLACED];
+    CML_FREED char *csv = NULL;
+    char text[CML_REPLACED];
     struct cml_error ignored;
     if (table_path(sweep, ".sweep.csv", &csv, &ignored) == CML_OK && cml_describe_replaced(csv, text))
         cml_show_note(NULL, text);
-    free(csv);
-}
-
-/* Notes that some rows have results but no checkpoint, so that --resume begins them again and replaces the
- * results. */
-static void note_anew(const struct cml_sweep_run *sweep)
-{
-    char text[CML_REPLACED + 200];
-    snprintf(text, sizeof text,
-             "--resume finds no checkpoint of %d of %d rows whose results are there: they begin anew; %s%s",
-             sweep->num_anew, sweep->table.num_rows, sweep->replaced,
-             sweep->num_anew > 1 ? ", and others" : "");
-    cml_show_note(NULL, text);
 }
 
 /* Flies all rows, makes their results safe on the disk and writes the tables of the sweep. */
@@ -508,7 +488,11 @@ static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
     struct cml_error why = {CML_OK, ""};
     const bool replaces = !options->resume && options->parts == 0;
     if (cml_cluster_rank() == 0 && !options->quiet && replaces) note_replaced(sweep);
-    if (cml_cluster_rank() == 0 && sweep->num_anew > 0) note_anew(sweep);
+    if (cml_cluster_rank() == 0 && sweep->num_anew > 0)
+        cml_note(
+            "--resume finds no checkpoint of %d of %d rows whose results are there: they begin anew; %s%s",
+            sweep->num_anew, sweep->table.num_rows, sweep->replaced,
+            sweep->num_anew > 1 ? ", and others" : "");
     if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json) announce(sweep);
     if (!options->receiver) cml_pending_begin(&sweep->pending);

@@ -171,8 +171,8 @@ static void take_records(struct cml_sweep_run *sweep, const struct group *group)
 /* Most cells in a thread for A(r,z) of all rows together, or for the means of detectors. */
 #define MOST_CELLS 5e7
 
-/* True if the rows can have A(z) and A(r,z); else `text` says why not. */
-static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group *group, char text[200])
+/* True if the rows can have A(z) and A(r,z). notes: shows why not. */
+static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group *group, bool notes)
 {
     const struct cml_scene *flown = &group->flown;
     const struct cml_engine_rows rows = {.count = group->count, .more = group->more};
@@ -180,29 +180,27 @@ static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group
     const bool large = (double)flown->nr * flown->nz * group->count > MOST_CELLS;
     if (!sweep->options->engine_options.absorption) return false;
     if (blind < 0 && !large) return true;
-    if (large)
-        snprintf(text, 200,
-                 "rows have no A_z and A_rz: %d rows of %d x %d bins are too many (expected at most %g bins)",
+    if (notes && large)
+        cml_note("rows have no A_z and A_rz: %d rows of %d x %d bins are too many (expected at most %g bins)",
                  group->count, flown->nr, flown->nz, MOST_CELLS);
-    else
-        snprintf(text, 200,
-                 "rows have no A_z and A_rz: in medium %d a row has mua above %g times mus (or, where mus = "
+    else if (notes)
+        cml_note("rows have no A_z and A_rz: in medium %d a row has mua above %g times mus (or, where mus = "
                  "0, times the mua of the palest row)",
                  blind, CML_ROW_MOST_SHARE / CML_ROW_SAMPLING);
     return false;
 }
 
-/* True if the rows have means of detectors, which take 64 batches; else `text` says why not. */
-static bool keeps_means(const struct group *group, char text[200])
+/* True if the rows have means of detectors, which take 64 batches. notes: shows why not. */
+static bool keeps_means(const struct group *group, bool notes)
 {
     const struct cml_scene *flown = &group->flown;
     const double media = flown->num_layers + 2.0 + flown->num_bodies,
                  cells = 2 * (2 * media + 1) * flown->num_detectors * group->count * CML_NUM_BATCHES;
     if (cells <= MOST_CELLS) return true;
-    snprintf(text, 200,
-             "rows have no means of detectors: %d rows of %d detectors and %.0f media take %.3g bins "
-             "(expected at most %g)",
-             group->count, flown->num_detectors, media, cells, MOST_CELLS);
+    if (notes)
+        cml_note("rows have no means of detectors: %d rows of %d detectors and %.0f media take %.3g bins "
+                 "(expected at most %g)",
+                 group->count, flown->num_detectors, media, cells, MOST_CELLS);
     return false;
 }
 
@@ -211,15 +209,13 @@ static struct cml_engine_options options_of(const struct cml_sweep_run *sweep, c
                                             bool notes)
 {
     struct cml_engine_options options = sweep->options->engine_options;
-    char text[2][200] = {"", ""};
+    const bool depths = reaches_depths(sweep, group, notes), means = keeps_means(group, notes);
     options.rows = (struct cml_engine_rows){.count = group->count,
                                             .more = group->more,
-                                            .depths = reaches_depths(sweep, group, text[0]),
+                                            .depths = depths,
                                             .times = options.absorption,
-                                            .means = keeps_means(group, text[1])};
+                                            .means = means};
     options.absorption = false;
-    for (int i = 0; i < 2; i++)
-        if (notes && text[i][0]) cml_show_note(NULL, text[i]);
     return options;
 }
 

@@ -48,14 +48,14 @@ static uint64_t photons_of(const char *path)
 }
 
 cml_status cml_before_keep_better(const struct cml_options *options, const char *path, uint64_t photons,
-                                  uint64_t *found, struct cml_error *err)
+                                  struct cml_error *err)
 {
-    *found = photons_of(path);
-    if (!options->resume || options->replace || *found <= photons) return CML_OK;
+    const uint64_t found = photons_of(path);
+    if (!options->resume || options->replace || found <= photons) return CML_OK;
     return cml_fail(err, CML_E_INPUT,
                     "--resume: %.400s of %g photons is of another run, and would be replaced by %g photons "
                     "(expected --photons of as many, or --replace)",
-                    path, (double)*found, (double)photons);
+                    path, (double)found, (double)photons);
 }
 
 /* State of a search for complete result files. identity: identity of the run, or of the run that it extends.
@@ -175,11 +175,10 @@ static cml_status keep_checkpoint(const char *path, struct cml_error *err)
 static cml_status keep_better(const struct cml_options *options, const struct cml_run_setup *setup,
                               struct cml_error *err)
 {
-    uint64_t found;
     CML_FREED char *path = NULL;
     if (setup->checkpoint && cml_has_checkpoint(setup->checkpoint)) return CML_OK;
     CML_TRY(cml_output_path(options, setup->scene->output, &path, err));
-    return cml_before_keep_better(options, path, setup->photons, &found, err);
+    return cml_before_keep_better(options, path, setup->photons, err);
 }
 
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,

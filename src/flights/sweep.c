@@ -55,7 +55,6 @@ static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const str
                              : options->photons > 0    ? options->photons
                                                        : scene->photons;
     struct cml_scene other = {.output = NULL};
-    uint64_t found;
     CML_FREED char *path = NULL, *name = NULL, *checkpoint = NULL;
     CML_TRY(cml_output_path(options, scene->output, &path, err));
     if (access(path, F_OK) != 0) return CML_OK;
@@ -63,7 +62,7 @@ static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const str
     other.output = name;
     CML_TRY(cml_run_checkpoint(options, &other, &checkpoint, err));
     if (cml_has_checkpoint(checkpoint)) return CML_OK;
-    CML_TRY(cml_before_keep_better(options, path, photons, &found, err));
+    CML_TRY(cml_before_keep_better(options, path, photons, err));
     if (sweep->num_anew++ == 0) (void)cml_describe_replaced(path, sweep->replaced);
     return CML_OK;
 }

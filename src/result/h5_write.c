@@ -145,8 +145,7 @@ cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const str
 {
     CML_AT_END(cml_h5_fields_free) struct cml_h5_fields f = {.count = 0};
     CML_TRY(cml_h5_fields_create(o, more, &f, err));
-    struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES + CML_H5_MORE_ATTRIBUTES];
-    int count = cml_h5_attributes(o, more, attributes);
-    for (int i = 0; i < more->num_attributes; i++) attributes[count++] = more->attribute[i];
+    struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES];
+    const int count = cml_h5_attributes(o, more, attributes);
     return cml_hdf5_write(path, attributes, count, &more->call, f.field, f.count, err);
 }

@@ -163,8 +163,8 @@ void cml_outcome_clear(struct cml_outcome *o)
 {
     free_arrays(o);
     for (int k = 0; k < o->num_detectors; k++) free(o->detector[k]);
-    void *const owned[] = {o->output, o->program, o->settings, o->beam,     o->phases,        o->detectors,
-                           o->shapes, o->top,     o->scene,    o->detector, o->detector_names};
+    void *const owned[] = {o->output,    o->program, o->settings, o->beam,     o->phases,
+                           o->detectors, o->shapes,  o->top,      o->detector, o->detector_names};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     *o = (struct cml_outcome){0};
 }

@@ -150,11 +150,10 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
-/* Makes what --aim needs. Layers are taken as thick as they are between the mean depths of their surfaces.
- * tail: also make the table of the flat tail, which takes longer. */
-static cml_status create_of(const char *aim, const struct cml_scene *scene,
-                            const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
-                            struct cml_error *err)
+/* Layers are taken as thick as they are between the mean depths of their surfaces. */
+cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
+                          const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
+                          struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 2;
     struct cml_medium_def *media = malloc(count * sizeof *media);
@@ -169,20 +168,13 @@ static cml_status create_of(const char *aim, const struct cml_scene *scene,
     return status;
 }
 
-cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
-                          const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
-{
-    return create_of(aim, scene, surfaces, true, to, err);
-}
-
-/* Makes the aim of a run. If adding-doubling has no answer, the scene is refused, because nothing flies
- * without it. */
-static cml_status create_for(const struct cml_options *options, const struct cml_scene *scene,
-                             const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
-                             struct cml_error *err)
+cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,
+                           const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
+                           struct cml_error *err)
 {
     *to = (struct cml_aim){0};
-    const cml_status status = options->aim ? create_of(options->aim, scene, surfaces, tail, to, err) : CML_OK;
+    const cml_status status =
+        options->aim ? cml_aim_create(options->aim, scene, surfaces, tail, to, err) : CML_OK;
     if (status == CML_E_NUMERIC) {
         const struct cml_error why = *err;
         return cml_fail(err, CML_E_INPUT, "%s:%d: --aim %s: %.400s", scene->file, scene->line, options->aim,
@@ -191,12 +183,6 @@ static cml_status create_for(const struct cml_options *options, const struct cml
     if (to->windows.cells == 0 || !options->engine_options.derivatives) return status;
     cml_aim_clear(to);
     return cml_fail(err, CML_E_INPUT, "--derivatives (expected no --aim beside it that splits packets)");
-}
-
-cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,
-                           const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
-{
-    return create_for(options, scene, surfaces, true, to, err);
 }
 
 void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options)
@@ -224,15 +210,12 @@ cml_status cml_aim_check(const struct cml_options *options, const struct cml_sce
                          const struct cml_surface_set *shared, struct cml_error *err)
 {
     struct cml_options mine = *options;
-    struct cml_surface_set surfaces;
-    struct cml_aim aim;
+    CML_AT_END(cml_surfaces_free) struct cml_surface_set surfaces = {0};
+    CML_AT_END(cml_aim_clear) struct cml_aim aim = {0};
     if (!options->aim) return CML_OK;
     mine.surface.shared = shared;
     CML_TRY(cml_choose_surfaces(&mine, scene, &surfaces, err));
-    const cml_status status = create_for(options, scene, &surfaces, false, &aim, err);
-    cml_surfaces_free(&surfaces);
-    if (status == CML_OK) cml_aim_clear(&aim);
-    return status;
+    return cml_aim_for_run(options, scene, &surfaces, false, &aim, err);
 }
 
 void cml_aim_clear(struct cml_aim *aim)
@@ -246,11 +229,10 @@ void cml_aim_clear(struct cml_aim *aim)
 static bool would_gain(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int k)
 {
     struct cml_error refusal;
-    struct cml_aim aim;
-    if (cml_aim_create(scene->detectors[k].name, scene, surfaces, &aim, &refusal) != CML_OK) return false;
-    const bool gain = aim.windows.detector && aim.windows.gain > 0;
-    cml_aim_clear(&aim);
-    return gain;
+    CML_AT_END(cml_aim_clear) struct cml_aim aim = {0};
+    if (cml_aim_create(scene->detectors[k].name, scene, surfaces, true, &aim, &refusal) != CML_OK)
+        return false;
+    return aim.windows.detector && aim.windows.gain > 0;
 }
 
 int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,

@@ -63,7 +63,7 @@ cml_status cml_simulation_prepare(struct cml_simulation *sim, const struct cml_s
     CML_TRY(cml_choose_surfaces(&all, setup->scene, &sim->surfaces, err));
     CML_TRY(cml_check_memory(&all, setup->scene, &sim->surfaces, err));
     setup->surfaces = &sim->surfaces;
-    CML_TRY(cml_aim_for_run(&all, setup->scene, setup->surfaces, &sim->aim, err));
+    CML_TRY(cml_aim_for_run(&all, setup->scene, setup->surfaces, true, &sim->aim, err));
     cml_aim_use(&sim->aim, &setup->options);
     return cml_find_error_of(&all, setup->scene, &setup->error_of, err);
 }

@@ -65,6 +65,13 @@ cml_status cml_fail_field(struct cml_error *err, const char *file, int line, con
                     cml_number_hint(value, expected));
 }
 
+cml_status cml_zeros(void *array, size_t count, size_t size, const char *what, struct cml_error *err)
+{
+    void *const made = calloc(count ? count : 1, size);
+    memcpy(array, &made, sizeof made);
+    return made ? CML_OK : cml_fail_memory(err, (double)count * (double)size, what);
+}
+
 cml_status cml_fail_memory(struct cml_error *err, double bytes, const char *what)
 {
     return cml_fail(err, CML_E_INPUT, "out of memory: %.0f MiB for %s", bytes / 1048576.0, what);

@@ -166,7 +166,7 @@ static cml_status check_and_dump(const struct cml_options *options, struct cml_c
 {
     struct cml_file file = {0};
     struct dump dump = {NULL, setup};
-    struct cml_check_result result;
+    CML_AT_END(cml_check_clear) struct cml_check_result result = {0};
     if (options->dump) {
         CML_TRY(cml_file_create_alone(options->dump, &file, err));
         dump.stream = file.stream;
@@ -184,9 +184,7 @@ static cml_status check_and_dump(const struct cml_options *options, struct cml_c
         status = print_json(setup, &result, options->surface.tolerance, err);
     else if (!options->quiet && !options->json)
         print_all(setup, &result, options->surface.tolerance);
-    if (status == CML_OK) status = verdict(setup, &result, err);
-    cml_check_clear(&result);
-    return status;
+    return status == CML_OK ? verdict(setup, &result, err) : status;
 }
 
 /* True if any boundary or body is represented by this kind of surface. */

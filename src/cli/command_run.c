@@ -53,10 +53,9 @@ static void remove_checkpoints(const struct session *session)
 {
     struct cml_error ignored;
     for (int i = 0; cml_cluster_rank() == 0 && i < session->list->count; i++) {
-        char *path = NULL;
+        CML_FREED char *path = NULL;
         if (cml_run_checkpoint(session->options, &session->list->scenes[i], &path, &ignored) == CML_OK)
             cml_checkpoint_remove(path);
-        free(path);
     }
 }
 

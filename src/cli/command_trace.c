@@ -97,7 +97,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
 static cml_status trace_scene(const struct cml_options *options, const struct cml_scene *scene,
                               uint64_t photon, struct cml_error *err)
 {
-    struct cml_surface_set surfaces;
+    CML_AT_END(cml_surfaces_free) struct cml_surface_set surfaces = {0};
     struct cml_engine_options engine_options = options->engine_options;
     void *engine = NULL;
     engine_options.run = (uint32_t)options->run - 1;
@@ -105,7 +105,6 @@ static cml_status trace_scene(const struct cml_options *options, const struct cm
     cml_status status = options->engine->open(scene, &surfaces, &engine_options, &engine, err);
     if (status == CML_OK) status = trace(options, scene, engine, photon, err);
     options->engine->close(engine);
-    cml_surfaces_free(&surfaces);
     return status;
 }
 

@@ -31,7 +31,7 @@ static cml_status load(const struct cml_options *options, const struct cml_text_
  * bytes. */
 static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
 {
-    char *block = NULL;
+    CML_FREED char *block = NULL;
     size_t size = 0;
     cml_status status = CML_OK;
     const bool first = cml_cluster_rank() == 0;
@@ -39,7 +39,6 @@ static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
     status = cml_cluster_agree(status, err);
     if (status == CML_OK) status = cml_cluster_share_block(&block, &size, err);
     if (status == CML_OK && !first) status = cml_inputs_unpack(block, size, inputs, err);
-    free(block);
     return status;
 }
 

@@ -32,11 +32,10 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
             fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(report->sums, cml_goals[i])));
     if (!cml_surfaces_are_planes(surfaces) || !cml_exact_knows(report->scene, surfaces->item->depth))
         return CML_OK;
-    double *depth = malloc((size_t)surfaces->count * sizeof *depth);
-    if (!depth) return cml_fail_memory(err, surfaces->count * (double)sizeof *depth, "depths");
+    CML_FREED double *depth = NULL;
+    CML_TRY(cml_zeros(&depth, (size_t)surfaces->count, sizeof *depth, "depths", err));
     for (int b = 0; b < surfaces->count; b++) depth[b] = surfaces->item[b].depth;
     const cml_status status = cml_exact_scene(report->scene, depth, &options, exact, err);
-    free(depth);
     if (status == CML_OK) report->exact = exact;
     return status == CML_E_NUMERIC ? CML_OK : status;
 }

@@ -114,12 +114,10 @@ static cml_status check_name(const struct cml_scene *scene, struct cml_error *er
  * folders, missing rights and read-only disks. */
 static cml_status check_writable(const char *path, const char *suffix, struct cml_error *err)
 {
-    char *name = NULL;
+    CML_FREED char *name = NULL;
     struct cml_file file;
     CML_TRY(suffix ? cml_report_path(path, suffix, &name, err) : cml_text_copy(path, &name, err));
-    const cml_status status = cml_file_create(name, &file, err);
-    free(name);
-    CML_TRY(status);
+    CML_TRY(cml_file_create(name, &file, err));
     cml_file_abort(&file);
     return CML_OK;
 }
@@ -320,18 +318,15 @@ static cml_status check_inputs(const struct cml_options *options, const struct c
                                const struct cml_scene_list *list, const struct cml_inputs *inputs,
                                struct cml_error *err)
 {
-    cml_status status = CML_OK;
-    for (size_t i = 0; status == CML_OK && i < inputs->count; i++) {
-        struct cml_output_file key = {0};
+    for (size_t i = 0; i < inputs->count; i++) {
+        CML_FREED char *name = NULL;
         if (strcmp(inputs->item[i].path, "-") == 0) continue;
-        CML_TRY(resolve(inputs->item[i].path, &key.name, err));
-        for (size_t k = 0; status == CML_OK && k < outputs->count; k++) {
-            if (strcmp(outputs->file[k].name, key.name) == 0)
-                status = fail_input(options, &list->scenes[outputs->file[k].run], inputs->item[i].path, err);
-        }
-        free(key.name);
+        CML_TRY(resolve(inputs->item[i].path, &name, err));
+        for (size_t k = 0; k < outputs->count; k++)
+            if (strcmp(outputs->file[k].name, name) == 0)
+                return fail_input(options, &list->scenes[outputs->file[k].run], inputs->item[i].path, err);
     }
-    return status;
+    return CML_OK;
 }
 
 /* True for the table of a sweep. */
@@ -346,14 +341,10 @@ static bool is_table(const struct cml_scene *scene)
 static bool result_stays(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_error ignored;
-    char *path = NULL;
-    bool stays = false;
-    if (options->resume && cml_run_checkpoint(options, scene, &path, &ignored) == CML_OK) {
-        const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
-        stays = kind == CML_CHECKPOINT_FINISHED || (kind == CML_CHECKPOINT_NONE && !options->sweep);
-    }
-    free(path);
-    return stays;
+    CML_FREED char *path = NULL;
+    if (!options->resume || cml_run_checkpoint(options, scene, &path, &ignored) != CML_OK) return false;
+    const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
+    return kind == CML_CHECKPOINT_FINISHED || (kind == CML_CHECKPOINT_NONE && !options->sweep);
 }
 
 /* True if the results of all rows of a sweep stay. The tables of the sweep are then written again with the

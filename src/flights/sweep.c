@@ -128,9 +128,8 @@ static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
     for (int row = 0; row < sweep->table.num_rows; row++) CML_TRY(check_row(sweep, row, err));
     CML_TRY(cml_sweep_check_groups(sweep, &ignored, err));
     if (sweep->options->receiver) return CML_OK;
-    const size_t count = (size_t)sweep->table.num_rows + 2;
-    CML_FREED struct cml_scene *scenes = calloc(count, sizeof *scenes);
-    if (!scenes) return cml_fail_memory(err, (double)(count * sizeof *scenes), "the rows");
+    CML_FREED struct cml_scene *scenes = NULL;
+    CML_TRY(cml_zeros(&scenes, (size_t)sweep->table.num_rows + 2, sizeof *scenes, "the rows", err));
     return claim(sweep, scenes, err);
 }
 
@@ -276,9 +275,8 @@ static cml_status group_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_sweep_table *table = &sweep->table;
     const struct cml_scene *scene = &sweep->base->scenes[0];
-    const size_t columns = (size_t)table->num_columns;
-    CML_FREED struct cml_sweep_medium *media = calloc(columns, sizeof *media);
-    if (!media) return cml_fail_memory(err, (double)(columns * sizeof *media), "the columns");
+    CML_FREED struct cml_sweep_medium *media = NULL;
+    CML_TRY(cml_zeros(&media, (size_t)table->num_columns, sizeof *media, "the columns", err));
     for (int c = 0; c < table->num_columns; c++) {
         const int medium = medium_of(table, c, scene);
         media[c] = (struct cml_sweep_medium){medium == 1, -1, 0};
@@ -436,12 +434,11 @@ static void remove_checkpoints(const struct cml_sweep_run *sweep)
     const struct cml_options *options = sweep->options;
     struct cml_error ignored;
     for (int row = 0; !cml_run_leaves_checkpoints(options) && row < sweep->table.num_rows; row++) {
+        CML_FREED char *output = NULL, *path = NULL;
         struct cml_scene scene = sweep->base->scenes[0];
-        char *path = NULL;
-        if (cml_sweep_row_output(sweep, row, &scene.output, &ignored) != CML_OK) continue;
+        if (cml_sweep_row_output(sweep, row, &output, &ignored) != CML_OK) continue;
+        scene.output = output;
         if (cml_run_checkpoint(options, &scene, &path, &ignored) == CML_OK) cml_checkpoint_remove(path);
-        free(scene.output);
-        free(path);
     }
 }
 

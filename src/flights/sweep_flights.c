@@ -78,12 +78,10 @@ static cml_status find_rows(const struct cml_sweep_run *sweep, int number, struc
                             struct cml_error *err)
 {
     const size_t most = (size_t)sweep->table.num_rows;
-    group->row = calloc(most, sizeof *group->row);
-    group->own = calloc(most, sizeof *group->own);
-    group->scene = calloc(most, sizeof *group->scene);
-    group->record = calloc(most, sizeof *group->record);
-    if (!group->row || !group->own || !group->scene || !group->record)
-        return cml_fail_memory(err, (double)(most * sizeof *group->record), "the rows");
+    CML_TRY(cml_zeros(&group->row, most, sizeof *group->row, "the rows", err));
+    CML_TRY(cml_zeros(&group->own, most, sizeof *group->own, "the rows", err));
+    CML_TRY(cml_zeros(&group->scene, most, sizeof *group->scene, "the rows", err));
+    CML_TRY(cml_zeros(&group->record, most, sizeof *group->record, "the rows", err));
     for (int row = 0; row < sweep->table.num_rows; row++)
         if (sweep->group[row] == number) group->row[group->count++] = row;
     return CML_OK;
@@ -121,8 +119,7 @@ static cml_status read_group(const struct cml_sweep_run *sweep, struct group *gr
     const struct cml_scene *flown = &group->flown;
     const size_t media = (size_t)flown->num_layers + 2 + (size_t)flown->num_bodies,
                  count = (size_t)group->count;
-    group->more = calloc(media * count, sizeof *group->more);
-    if (!group->more) return cml_fail_memory(err, (double)(media * count * sizeof(double)), "the rows");
+    CML_TRY(cml_zeros(&group->more, media * count, sizeof *group->more, "the rows", err));
     for (size_t i = 0; i < count; i++) {
         CML_TRY(cml_sweep_read_row(sweep, group->row[i], &group->own[i], err));
         group->scene[i] = &group->own[i];
@@ -224,22 +221,19 @@ cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_
 {
     struct cml_options options = *sweep->options;
     double most = 0;
-    cml_status status = CML_OK;
-    for (int number = 0; status == CML_OK && number < sweep->num_groups; number++) {
-        struct group group = {0};
+    for (int number = 0; number < sweep->num_groups; number++) {
+        CML_AT_END(clear_group) struct group group = {0};
         uint64_t seed;
-        status = prepare_group(sweep, number, &group, &seed, err);
-        if (status == CML_OK) {
-            options.engine_options = options_of(sweep, &group, false);
-            status = cml_check_memory(&options, &group.flown, NULL, err);
-        }
-        const double bytes = status == CML_OK ? cml_memory_of(&options, &group.flown, NULL).most : 0;
-        if (bytes > most) *largest = options.engine_options;
+        CML_TRY(prepare_group(sweep, number, &group, &seed, err));
+        options.engine_options = options_of(sweep, &group, false);
+        CML_TRY(cml_check_memory(&options, &group.flown, NULL, err));
+        const double bytes = cml_memory_of(&options, &group.flown, NULL).most;
+        if (bytes <= most) continue;
+        most = bytes;
+        *largest = options.engine_options;
         largest->rows.more = NULL;
-        most = bytes > most ? bytes : most;
-        clear_group(&group);
     }
-    return status;
+    return CML_OK;
 }
 
 /* Flies group `number` of rows, which share one flight, and writes a result for each row. `looks`: `merge`
@@ -249,7 +243,7 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
     struct cml_options options = *sweep->options;
     const bool looks = cml_part_files_looking(options.joined);
     struct cml_error why = {CML_OK, ""};
-    struct group group = {0};
+    CML_AT_END(clear_group) struct group group = {0};
     uint64_t seed = 0;
     cml_status status = cml_cluster_agree(prepare_group(sweep, number, &group, &seed, err), err);
     if (status == CML_OK) {
@@ -267,7 +261,6 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
         status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
         if (!looks && (status == CML_OK || status == CML_E_NUMERIC)) take_records(sweep, &group);
     }
-    clear_group(&group);
     return status;
 }
 

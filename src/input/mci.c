@@ -245,12 +245,8 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
             "number of layers, or a line that begins with a word of `clustermcml help input`");
     CML_TRY(cml_mci_numbers(reader, NULL, CML_KEY_PARTS({CML_KEYS_LAYERS, scene})));
     const size_t layers = (size_t)scene->num_layers;
-    scene->media = calloc(layers + 2, sizeof *scene->media);
-    scene->boundaries = calloc(layers + 1, sizeof *scene->boundaries);
-    if (scene->media && scene->boundaries) return CML_OK;
-    return cml_fail_memory(reader->err,
-                           (double)layers * (double)(sizeof *scene->media + sizeof *scene->boundaries),
-                           "the layers");
+    CML_TRY(cml_zeros(&scene->media, layers + 2, sizeof *scene->media, "the layers", reader->err));
+    return cml_zeros(&scene->boundaries, layers + 1, sizeof *scene->boundaries, "the layers", reader->err);
 }
 
 /* Returns how many numbers a line holds; 0 if it holds anything else, too. */
@@ -453,11 +449,10 @@ cml_status cml_mci_read(const char *path, const struct cml_input_options *option
                         struct cml_scene_list *list, struct cml_error *err)
 {
     static const struct cml_input_options none;
-    struct cml_mci_reader reader;
+    CML_AT_END(cml_mci_close) struct cml_mci_reader reader = {0};
     *list = (struct cml_scene_list){0};
     cml_status status = cml_mci_open(path, options ? options : &none, &reader, err);
     if (status == CML_OK) status = read_file(&reader, list);
-    cml_mci_close(&reader);
     if (status != CML_OK) cml_scene_list_clear(list);
     return status;
 }
@@ -468,15 +463,13 @@ cml_status cml_mci_read(const char *path, const struct cml_input_options *option
 static cml_status read_shape(const struct cml_mci_reader *copying, const char *path, int line, int b,
                              struct cml_boundary *boundary)
 {
-    struct cml_mci_reader reader;
+    CML_AT_END(cml_mci_close) struct cml_mci_reader reader = {0};
     enum cml_mci_kind kind;
     cml_boundary_clear(boundary);
-    cml_status status = cml_mci_open(path, copying->options, &reader, copying->err);
-    while (status == CML_OK && reader.text.line + 1 < line) cml_text_next(&reader.text);
-    if (status == CML_OK) status = cml_mci_next(&reader, true, &kind);
-    if (status == CML_OK) status = cml_mci_boundary(&reader, kind, b, boundary);
-    cml_mci_close(&reader);
-    return status;
+    CML_TRY(cml_mci_open(path, copying->options, &reader, copying->err));
+    while (reader.text.line + 1 < line) cml_text_next(&reader.text);
+    CML_TRY(cml_mci_next(&reader, true, &kind));
+    return cml_mci_boundary(&reader, kind, b, boundary);
 }
 
 /* Reads those shapes again whose scale or height is set to another value than before. */

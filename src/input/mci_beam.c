@@ -74,8 +74,7 @@ static cml_status take_pixels(const char *path, const struct cml_heightmap *map,
 {
     const size_t nx = (size_t)map->nx, ny = (size_t)map->ny;
     double sum = 0;
-    beam->pixel = malloc(nx * ny * sizeof *beam->pixel);
-    if (!beam->pixel) return cml_fail_memory(err, (double)(nx * ny) * 8, "an image");
+    CML_TRY(cml_zeros(&beam->pixel, nx * ny, sizeof *beam->pixel, "an image", err));
     beam->columns = map->nx;
     beam->rows = map->ny;
     beam->size[0] = map->dx * map->nx;
@@ -96,15 +95,12 @@ static cml_status take_pixels(const char *path, const struct cml_heightmap *map,
 /* Reads the image file of a beam, whose pixels say how much light starts where. */
 static cml_status read_image(struct cml_mci_reader *reader, const char *name, struct cml_beam *beam)
 {
-    struct cml_heightmap map = {0};
-    char *path = NULL;
+    CML_AT_END(cml_heightmap_clear) struct cml_heightmap map = {0};
+    CML_FREED char *path = NULL;
     CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
     cml_status status = cml_gsf_read_pixels(reader->options->source, path, &map, reader->err);
     if (status == CML_OK) status = take_pixels(path, &map, beam, reader->err);
-    status = cml_mci_name_line(reader, "beam", path, status);
-    cml_heightmap_clear(&map);
-    free(path);
-    return status;
+    return cml_mci_name_line(reader, "beam", path, status);
 }
 
 /* ---- keys of a beam ---- */

@@ -121,10 +121,8 @@ static cml_status sum_radii(const struct samples *samples, struct cml_boundary *
 {
     const size_t n = samples->num_values / 2;
     struct cml_radial *radial = &boundary->radial;
-    radial->r = malloc(n * sizeof *radial->r);
-    radial->h = malloc(n * sizeof *radial->h);
-    if (!radial->r || !radial->h)
-        return cml_fail_memory(samples->reader->err, (double)(2 * n * sizeof(double)), "a heightfield");
+    CML_TRY(cml_zeros(&radial->r, n, sizeof *radial->r, "a heightfield", samples->reader->err));
+    CML_TRY(cml_zeros(&radial->h, n, sizeof *radial->h, "a heightfield", samples->reader->err));
     radial->n = (int)n;
     double r = 0;
     for (size_t i = 0; i < n; i++) {
@@ -253,18 +251,15 @@ static cml_status read_heightmap(const struct cml_mci_line *line, enum cml_mci_m
     const struct cml_input_options *input = line->reader->options;
     struct cml_error *err = line->reader->err;
     const double unit = cml_mci_saw(line, "units") ? given->unit : 0;
-    struct cml_heightmap map;
+    CML_AT_END(cml_heightmap_clear) struct cml_heightmap map = {0};
     CML_TRY(check_heightmap_options(line, given));
     CML_TRY((kind == CML_MCI_FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit,
                                                                       &map, err));
     for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= given->height;
     cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
-    const cml_status status = tiling == TILE_NONE
-                                  ? cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget,
-                                                       &boundary->mesh, &boundary->map_notes, err)
-                                  : make_tile(line, tiling, given, &map, boundary);
-    cml_heightmap_clear(&map);
-    return status;
+    if (tiling != TILE_NONE) return make_tile(line, tiling, given, &map, boundary);
+    return cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget, &boundary->mesh,
+                              &boundary->map_notes, err);
 }
 
 /* ---- the options of an m line ---- */
@@ -317,14 +312,13 @@ static cml_status set_m_option(struct cml_mci_line *line)
 static cml_status make_relief(const struct cml_mci_line *line, const struct cml_random_relief *relief,
                               const struct cml_mesh_file_options *obj, struct cml_boundary *boundary)
 {
-    struct cml_heightmap map;
+    CML_AT_END(cml_heightmap_clear) struct cml_heightmap map = {0};
     CML_TRY(cml_random_relief_make(relief, &map, line->reader->err));
     for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= obj->height;
     cml_heightmap_place(&map, obj->scale, obj->shift, false);
-    const cml_status status = make_tile(line, TILE_PERIODIC, obj, &map, boundary);
-    if (status == CML_OK) cml_random_relief_measure(&boundary->tile, &boundary->tile_notes.drawn);
-    cml_heightmap_clear(&map);
-    return status;
+    CML_TRY(make_tile(line, TILE_PERIODIC, obj, &map, boundary));
+    cml_random_relief_measure(&boundary->tile, &boundary->tile_notes.drawn);
+    return CML_OK;
 }
 
 /* Reads the rest of a line `m gaussian`: the numbers of a random relief, and the word tile. */

@@ -249,22 +249,20 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
 {
     if (scene->num_detectors < 2) return CML_OK;
     const size_t n = (size_t)scene->num_detectors;
-    const struct cml_detector_def **sorted = malloc(n * sizeof *sorted);
-    if (!sorted) return cml_fail_memory(reader->err, (double)(n * sizeof *sorted), "detectors");
+    CML_FREED const struct cml_detector_def **sorted = NULL;
+    CML_TRY(cml_zeros(&sorted, n, sizeof *sorted, "detectors", reader->err));
     for (size_t i = 0; i < n; i++) sorted[i] = &scene->detectors[i];
     qsort(sorted, n, sizeof *sorted, compare_names);
-    cml_status status = CML_OK;
-    for (size_t i = 1; status == CML_OK && i < n; i++) {
+    for (size_t i = 1; i < n; i++) {
         const struct cml_detector_def *first = sorted[i - 1];
         if (strcmp(first->name, sorted[i]->name) != 0) continue;
-        status = fail_detector(
+        return fail_detector(
             reader, scene, (int)(sorted[i] - scene->detectors),
             sorted[i]->shape == CML_DETECTOR_GROUP ? "detector: group" : "detector: name", sorted[i]->name,
             CML_TEXT("another name than that of the detector in line %d%s%.300s", line_of(first),
                      first->table ? " of " : "", first->table ? first->table : ""));
     }
-    free(sorted);
-    return status;
+    return CML_OK;
 }
 
 /* Completes all detectors when all lines are read, and refuses two of one name, or more than 2^30 pixels in

@@ -319,17 +319,15 @@ cml_status cml_mci_table(struct cml_mci_reader *reader, const char *owner, const
                          const char *expected, cml_status (*read)(struct cml_mci_reader *rows, void *context),
                          void *context)
 {
+    CML_AT_END(cml_mci_close)
     struct cml_mci_reader rows = {.options = reader->options, .err = reader->err};
-    char *path = NULL;
+    CML_FREED char *path = NULL;
     if (!name || *name == '"' || *name == '\0')
         return cml_mci_fail(reader, CML_TEXT("%s: file", owner), name, expected);
     CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
     cml_status status = cml_text_read_table(reader->options->source, path, &rows.text, reader->err);
     if (status == CML_OK) status = read(&rows, context);
-    status = cml_mci_name_line(reader, owner, path, status);
-    cml_mci_close(&rows);
-    free(path);
-    return status;
+    return cml_mci_name_line(reader, owner, path, status);
 }
 
 /* Returns what a valid name of an output is, if this name is none; NULL if it is valid. Names must leave

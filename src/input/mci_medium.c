@@ -121,8 +121,8 @@ cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_sc
     struct cml_medium_def *medium = &scene->media[body ? cml_body_medium(scene, k) : layer];
     if (medium->phase)
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one phase line for each layer and body");
-    struct cml_phase *phase = calloc(1, sizeof *phase);
-    if (!phase) return cml_fail_memory(reader->err, sizeof *phase, "a phase function");
+    struct cml_phase *phase;
+    CML_TRY(cml_zeros(&phase, 1, sizeof *phase, "a phase function", reader->err));
     phase->line = medium->phase_line = reader->text.line;
     cml_status status = cml_share_begin(&phase->users, reader->err);
     if (status == CML_OK) status = read_phase(reader, body ? "body" : "layer", body ? k + 1 : layer, phase);
@@ -144,8 +144,8 @@ cml_status cml_mci_own_phase(const struct cml_mci_reader *reader, struct cml_sce
     for (*own = scene->phases; *own != medium->phase;) *own = (*own)->next;
     for (int i = 0; i < media; i++) users += scene->media[i].phase == *own;
     if (users == 1) return CML_OK;
-    struct cml_phase *copy = malloc(sizeof *copy);
-    if (!copy) return cml_fail_memory(reader->err, sizeof *copy, "a phase function");
+    struct cml_phase *copy;
+    CML_TRY(cml_zeros(&copy, 1, sizeof *copy, "a phase function", reader->err));
     *copy = **own;
     *own = copy;
     cml_share(copy->users);

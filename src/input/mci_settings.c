@@ -323,14 +323,13 @@ cml_status cml_mci_is_setting(const struct cml_scene *scene, const char *text, b
 {
     struct cml_mci_reader reader = {.err = err};
     const struct cml_key *key = NULL;
-    struct cml_scene copy;
+    CML_AT_END(cml_scene_clear) struct cml_scene copy = {0};
     void *base;
     *known = false;
     CML_TRY(cml_scene_copy(scene, &copy, err));
-    const cml_status status = find(&reader, &copy, text, &key, &base);
-    *known = status == CML_OK && key;
-    cml_scene_clear(&copy);
-    return status;
+    CML_TRY(find(&reader, &copy, text, &key, &base));
+    *known = key != NULL;
+    return CML_OK;
 }
 
 /* True if a column's quoted name was perhaps meant as a setting: a dot, a beginning like "layer", or a name
@@ -408,10 +407,9 @@ cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, 
     *word = '\0';
     const char *expected = again ? "one name" : why_no_layer_name(scene, layer, name);
     if (expected) return cml_mci_fail(reader, CML_TEXT("%s: name", owner), name, expected);
-    const size_t layers = (size_t)scene->num_layers + 1;
-    if (!scene->layer_names) scene->layer_names = calloc(layers, sizeof *scene->layer_names);
     if (!scene->layer_names)
-        return cml_fail_memory(reader->err, (double)(layers * sizeof *scene->layer_names), "the layers");
+        CML_TRY(cml_zeros(&scene->layer_names, (size_t)scene->num_layers + 1, sizeof *scene->layer_names,
+                          "the layers", reader->err));
     strcpy(scene->layer_names[layer], name);
     return CML_OK;
 }

@@ -183,8 +183,7 @@ static void set_pixel_axes(struct cml_field_list *c)
 
 /* ---- the list ---- */
 
-/* Makes an empty list of fields with room for all: every quantity, nineteen fields of each boundary, and two
- * of each detector. */
+/* Makes room for all fields: every quantity, nineteen fields of each boundary, and two of each detector. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
@@ -192,16 +191,11 @@ cml_status cml_field_list_create(const struct cml_report *report, struct cml_fie
                  detectors = (size_t)report->scene->num_detectors,
                  capacity = CML_NUM_QUANTITIES + 19 * boundaries + 2 * detectors;
     *c = (struct cml_field_list){.report = report};
-    c->fields = calloc(capacity, sizeof *c->fields);
-    c->sources = calloc(capacity, sizeof *c->sources);
-    c->facet = calloc(boundaries, sizeof *c->facet);
-    c->radius = calloc(boundaries, sizeof *c->radius);
-    c->pixel = calloc(2 * detectors + 1, sizeof *c->pixel);
-    if (!c->fields || !c->sources || !c->facet || !c->radius || !c->pixel) {
-        cml_field_list_free(c);
-        return cml_fail_memory(err, (double)(capacity * (sizeof *c->fields + sizeof *c->sources)),
-                               "a list of fields");
-    }
+    CML_TRY(cml_zeros(&c->fields, capacity, sizeof *c->fields, "a list of fields", err));
+    CML_TRY(cml_zeros(&c->sources, capacity, sizeof *c->sources, "a list of fields", err));
+    CML_TRY(cml_zeros(&c->facet, boundaries, sizeof *c->facet, "a list of fields", err));
+    CML_TRY(cml_zeros(&c->radius, boundaries, sizeof *c->radius, "a list of fields", err));
+    CML_TRY(cml_zeros(&c->pixel, 2 * detectors, sizeof *c->pixel, "a list of fields", err));
     set_axes(c);
     set_boundary_axes(c);
     set_pixel_axes(c);

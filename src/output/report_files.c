@@ -190,9 +190,10 @@ cml_status cml_report_arrays(struct cml_report *report, struct cml_report_arrays
                              struct cml_error *err)
 {
     struct cml_h5_more more;
-    struct lists *lists = calloc(1, sizeof *lists);
-    *arrays = (struct cml_report_arrays){.lists = lists};
-    if (!lists) return cml_fail_memory(err, sizeof *lists, "a list of arrays");
+    struct lists *lists;
+    *arrays = (struct cml_report_arrays){0};
+    CML_TRY(cml_zeros(&lists, 1, sizeof *lists, "a list of arrays", err));
+    arrays->lists = lists;
     CML_TRY(cml_report_outcome(report, err));
     CML_TRY(begin_h5(report, &lists->list, &more, err));
     CML_TRY(cml_h5_fields_create(&report->outcome, &more, &lists->fields, err));

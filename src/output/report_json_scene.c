@@ -265,9 +265,7 @@ static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *
 static cml_status deal_beams(struct cml_json_subject *subject, uint64_t photons, struct cml_error *err)
 {
     const struct cml_scene *scene = subject->scene;
-    const size_t bytes = (size_t)scene->num_beams * sizeof *subject->dealt;
-    subject->dealt = malloc(bytes);
-    if (!subject->dealt) return cml_fail_memory(err, (double)bytes, "beams");
+    CML_TRY(cml_zeros(&subject->dealt, (size_t)scene->num_beams, sizeof *subject->dealt, "beams", err));
     return cml_deal_numbers(scene->shares, scene->num_beams, photons, subject->dealt, err);
 }
 

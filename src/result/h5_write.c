@@ -119,8 +119,8 @@ cml_status cml_h5_fields_create(const struct cml_outcome *o, const struct cml_h5
 {
     const size_t most =
         2 * (size_t)CML_NUM_QUANTITIES * (1 + (size_t)o->num_detectors) + (size_t)more->num_fields;
-    *f = (struct cml_h5_fields){.field = calloc(most, sizeof *f->field)};
-    if (!f->field) return cml_fail_memory(err, (double)(most * sizeof *f->field), "a list of fields");
+    *f = (struct cml_h5_fields){0};
+    CML_TRY(cml_zeros(&f->field, most, sizeof *f->field, "a list of fields", err));
     set_axes(f, o);
     for (int i = 0; i < CML_NUM_QUANTITIES; i++)
         for (int part = 0;

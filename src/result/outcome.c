@@ -114,11 +114,9 @@ cml_status cml_outcome_add(struct cml_outcome *o, enum cml_quantity quantity, bo
                            struct cml_error *err)
 {
     double **array = errors ? &o->error[quantity] : &o->value[quantity];
-    const size_t size = cml_outcome_size(o, quantity);
-    if (!*array) *array = calloc(size, sizeof **array);
-    return *array
-               ? CML_OK
-               : cml_fail_memory(err, (double)size * (double)sizeof **array, cml_quantities[quantity].name);
+    if (*array) return CML_OK;
+    return cml_zeros(array, cml_outcome_size(o, quantity), sizeof **array, cml_quantities[quantity].name,
+                     err);
 }
 
 /* True if original MCML's .mco contains the quantity. */

@@ -156,14 +156,13 @@ cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
                           struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 2;
-    struct cml_medium_def *media = malloc(count * sizeof *media);
+    CML_FREED struct cml_medium_def *media = NULL;
     *to = (struct cml_aim){0};
-    if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "layers");
+    CML_TRY(cml_zeros(&media, count, sizeof *media, "layers", err));
     memcpy(media, scene->media, count * sizeof *media);
     for (int l = 1; l <= scene->num_layers; l++)
         media[l].d = surfaces->item[l].depth - surfaces->item[l - 1].depth;
     const cml_status status = create(aim, scene, surfaces, media, tail, to, err);
-    free(media);
     if (status != CML_OK) cml_aim_clear(to);
     return status;
 }

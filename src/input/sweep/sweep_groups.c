@@ -45,14 +45,10 @@ cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml
                            int **group, int *num_groups, struct cml_error *err)
 {
     const size_t rows = (size_t)table->num_rows;
-    int *first = calloc(rows, sizeof *first), count = 0; /* first row of each group */
-    *group = calloc(rows, sizeof **group);
-    if (!*group || !first) {
-        free(first);
-        free(*group);
-        *group = NULL;
-        return cml_fail_memory(err, 2.0 * (double)(rows * sizeof **group), "the rows");
-    }
+    CML_FREED int *first = NULL; /* first row of each group */
+    int count = 0;
+    CML_TRY(cml_zeros(&first, rows, sizeof *first, "the rows", err));
+    CML_TRY(cml_zeros(group, rows, sizeof **group, "the rows", err));
     for (int row = 0; row < table->num_rows; row++) {
         int number = 0;
         while (number < count && !may_share(table, media, first[number], row)) number++;
@@ -60,6 +56,5 @@ cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml
         (*group)[row] = number;
     }
     *num_groups = count;
-    free(first);
     return CML_OK;
 }

@@ -128,10 +128,8 @@ static cml_status read_header(struct cml_sweep_table *table, struct cml_error *e
     char *line = next_line(&table->text);
     if (!line) return fail_at(&table->text, "the line of names", NULL, "layer1.mua, photons or others", err);
     table->names_line = table->text.line;
-    table->name = calloc(CML_MOST_SETTINGS, sizeof *table->name);
-    table->label = calloc(CML_MOST_SETTINGS, sizeof *table->label);
-    if (!table->name || !table->label)
-        return cml_fail_memory(err, CML_MOST_SETTINGS * sizeof *table->name, "a table");
+    CML_TRY(cml_zeros(&table->name, CML_MOST_SETTINGS, sizeof *table->name, "a table", err));
+    CML_TRY(cml_zeros(&table->label, CML_MOST_SETTINGS, sizeof *table->label, "a table", err));
     for (struct cell cell; next_cell(&line, &cell);) {
         if (table->num_columns == CML_MOST_SETTINGS)
             return fail_at(&table->text, "columns", cell.text, "at most 256", err);

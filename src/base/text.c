@@ -207,6 +207,17 @@ char *cml_text_word(char **cursor)
     return close ? word + 1 : word;
 }
 
+int cml_word_index(const char *words, const char *word)
+{
+    const size_t length = strlen(word);
+    for (int i = 0; *words; i++) {
+        const size_t own = strcspn(words, " ");
+        if (own == length && memcmp(words, word, own) == 0) return i;
+        words += own + strspn(words + own, " ");
+    }
+    return -1;
+}
+
 /* Parses a decimal number; false: it is none. The set of characters excludes hexadecimal numbers, nan and
  * inf, which strtod would accept. */
 bool cml_parse_double(const char *word, double *value)

@@ -69,6 +69,9 @@ char *cml_text_next(struct cml_text *text);
  * it. A word key="..." also runs to the closing '"', and keeps both quotes. */
 char *cml_text_word(char **cursor);
 
+/* Returns the index of a word among words with blanks between them; -1: it is none of them. */
+int cml_word_index(const char *words, const char *word);
+
 /* Parses a word that is one number as a whole, in decimal or exponent form: sets *value and returns true.
  * Returns false for anything else, for hexadecimal numbers, nan and inf, and on overflow. */
 bool cml_parse_double(const char *word, double *value);

@@ -98,13 +98,10 @@ static cml_status add_checkpoint(const struct cml_options *options, struct cml_o
 static cml_status check_name(const struct cml_scene *scene, struct cml_error *err)
 {
     static const char *const taken[] = {".checkpoint", ".checkpoint.old", ".lock", ".tmp", ".mci"};
-    const size_t length = strlen(scene->output);
-    for (size_t i = 0; i < sizeof taken / sizeof *taken; i++) {
-        const size_t size = strlen(taken[i]);
-        if (length > size && strcmp(scene->output + length - size, taken[i]) == 0)
+    for (size_t i = 0; i < sizeof taken / sizeof *taken; i++)
+        if (cml_file_ends_in(scene->output, taken[i]))
             return cml_fail_field(err, scene->file, scene->line, "output name", scene->output,
                                   "no ending .mci, .checkpoint, .checkpoint.old, .lock or .tmp");
-    }
     return CML_OK;
 }
 

@@ -5,7 +5,7 @@
 #include "base/version.h"
 #include "simulation/beam_notes.h"
 #include "simulation/scenes.h"
-#include "simulation/aim.h"
+#include "simulation/simulation.h"
 #include "flights/before.h"
 #include "flights/one_run.h"
 #include "flights/outputs.h"
@@ -67,21 +67,16 @@ static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const str
     return CML_OK;
 }
 
-/* Reads the scene of a row and checks it: memory, starts of beams, aim, existing result. */
+/* Reads the scene of a row, and checks it and an existing result. */
 static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_error *err)
 {
-    struct cml_scene scene;
+    CML_AT_END(cml_scene_clear) struct cml_scene scene = {0};
     uint64_t seed;
     CML_TRY(cml_sweep_row_seed(sweep, row, &seed, err));
     CML_TRY(cml_sweep_read_row(sweep, row, &scene, err));
-    struct cml_surface_options how = sweep->options->surface;
-    how.shared = &sweep->surfaces;
-    cml_status status = cml_check_memory(sweep->options, &scene, NULL, err);
-    if (status == CML_OK) status = cml_check_starts(&scene, &how, err);
-    if (status == CML_OK) status = cml_aim_check(sweep->options, &scene, &sweep->surfaces, err);
+    cml_status status = cml_simulation_check(sweep->options, &scene, &sweep->surfaces, err);
     if (status == CML_OK && sweep->options->resume && sweep->options->parts == 0)
         status = look_at_result(sweep, row, &scene, err);
-    cml_scene_clear(&scene);
     return cml_sweep_name_row(sweep, row, status, err);
 }
 
@@ -333,7 +328,7 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
     struct cml_sweep_run *sweep = context;
-    struct cml_scene scene;
+    CML_AT_END(cml_scene_clear) struct cml_scene scene = {0};
     struct cml_error why = {CML_OK, ""};
     uint64_t seed = 0;
     cml_status status = cml_sweep_row_seed(sweep, row, &seed, err);
@@ -352,7 +347,6 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
     status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
     const bool looks = cml_part_files_looking(sweep->options->joined);
     if (!looks && (status == CML_OK || status == CML_E_NUMERIC)) cml_sweep_print_row(sweep, row, record);
-    cml_scene_clear(&scene);
     return status;
 }
 

@@ -28,7 +28,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #define MAX_CELLS 2147483648.0
 /* cm: a layer as thick as this counts as semi-infinite; 1e8 is usual in files */
@@ -172,13 +171,6 @@ static cml_status check_output(const struct cml_mci_reader *reader, const struct
     return CML_OK;
 }
 
-/* True if the name ends in `ending`, in small letters or capitals. */
-static bool ends_in(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), size = strlen(ending);
-    return length > size && strcasecmp(name + length - size, ending) == 0;
-}
-
 /* Replaces the name of the output by that of --output, whose ending also sets the format. */
 static cml_status rename_output(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
@@ -186,8 +178,8 @@ static cml_status rename_output(const struct cml_mci_reader *reader, struct cml_
     if (expected) return cml_fail(reader->err, CML_E_INPUT, "--output %.80s (expected %s)", name, expected);
     free(scene->output);
     scene->output = NULL;
-    if (ends_in(name, ".h5")) scene->format = 'B';
-    if (ends_in(name, ".mco")) scene->format = 'A';
+    if (cml_file_ends_in(name, ".h5")) scene->format = 'B';
+    if (cml_file_ends_in(name, ".mco")) scene->format = 'A';
     return cml_text_copy(name, &scene->output, reader->err);
 }
 

@@ -44,18 +44,6 @@ static cml_status fail_unknown(const struct cml_mci_line *line, const char *word
                                CML_TEXT("%.*s or %s", (int)(last - list), list, last + 2));
 }
 
-/* Returns the index of a value among the words of its key; -1: none of them. */
-static int which_word(const char *words, const char *value)
-{
-    const size_t length = strlen(value);
-    for (int i = 0; *words; i++) {
-        const size_t own = strcspn(words, " ");
-        if (own == length && memcmp(words, value, own) == 0) return i;
-        words += own + strspn(words + own, " ");
-    }
-    return -1;
-}
-
 /* Stores the value of the option that was read last in the struct member that its key names, by the key's
  * type. `base` is the struct. */
 static cml_status take_value(struct cml_mci_line *line, void *base)
@@ -72,7 +60,7 @@ static cml_status take_value(struct cml_mci_line *line, void *base)
     else if (key->type == CML_KEY_XY || key->type == CML_KEY_XYZ)
         sound = cml_mci_parse_list(line->value, key->type == CML_KEY_XY ? 2 : 3, member);
     else if (key->type == CML_KEY_WORD)
-        *(int *)member = word = which_word(key->noun, line->value);
+        *(int *)member = word = cml_word_index(key->noun, line->value);
     else if ((sound = cml_key_parse(key, line->value, &number)))
         cml_key_store(key, base, number);
     return sound && word >= 0 ? CML_OK : cml_mci_fail_value(line, cml_key_expected(key, expected));

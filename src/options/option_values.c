@@ -99,15 +99,10 @@ cml_status cml_read_number(const struct cml_option *option, const char *value, s
 cml_status cml_read_word(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
-    const size_t length = strlen(value);
-    int position = 0;
-    for (const char *word = option->words; *word; position++) {
-        const size_t size = strcspn(word, " ");
-        if (size == length && memcmp(word, value, size) == 0)
-            return set(option, (int)option->least + position, options);
-        word += size + (word[size] == ' ');
-    }
-    return fail(err, option, value, CML_TEXT("%s%s", position > 1 ? "one of " : "", option->words));
+    const int position = cml_word_index(option->words, value);
+    if (position >= 0) return set(option, (int)option->least + position, options);
+    return fail(err, option, value,
+                CML_TEXT("%s%s", strchr(option->words, ' ') ? "one of " : "", option->words));
 }
 
 /* ---- photons, engine and end of a run ---- */

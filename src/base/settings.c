@@ -13,8 +13,6 @@ const struct cml_setting *cml_settings_find(const struct cml_settings *settings,
     return NULL;
 }
 
-/* Makes the error message of a setting with a bad value. A setting from a table names the column, too; a
- * setting from --set has column 0. */
 cml_status cml_setting_fail(const struct cml_setting *setting, const char *expected, struct cml_error *err)
 {
     const char *field =
@@ -37,8 +35,6 @@ cml_status cml_settings_copy(struct cml_settings *settings, const struct cml_set
     return CML_OK;
 }
 
-/* Adds the setting that the text NAME=VALUE of --set describes. Refuses an empty or too long name and an
- * empty value. */
 cml_status cml_settings_add(struct cml_settings *settings, const char *text, struct cml_error *err)
 {
     struct cml_setting setting = {.source = "--set"};
@@ -50,7 +46,6 @@ cml_status cml_settings_add(struct cml_settings *settings, const char *text, str
     return cml_settings_copy(settings, &setting, err);
 }
 
-/* Writes all settings as lines "NAME = VALUE" into a new string *text. No settings give NULL. */
 cml_status cml_settings_text(const struct cml_settings *settings, char **text, struct cml_error *err)
 {
     size_t size = 0;

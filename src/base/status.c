@@ -10,8 +10,6 @@
  * reason last. */
 #define FIRST_PART 400
 
-/* Writes an error message as printf does, and returns `status`. A message too long for err->text keeps its
- * first FIRST_PART bytes and its end. */
 cml_status cml_fail(struct cml_error *err, cml_status status, const char *format, ...)
 {
     /* The whole message, before its middle is cut out. There is room for two paths. The array is static,
@@ -39,8 +37,6 @@ static bool takes_commas(const char *expected)
     return comma != NULL;
 }
 
-/* Guesses why a number was not read, and returns a hint for the end of the message, or "". The hint tells of
- * a comma or semicolon that stands where a decimal point or nothing belongs. */
 const char *cml_number_hint(const char *value, const char *expected)
 {
     const size_t whole = strspn(value, "+-0123456789.eE");
@@ -52,8 +48,6 @@ const char *cml_number_hint(const char *value, const char *expected)
                                                                   : ", with a decimal point";
 }
 
-/* Makes the usual error message of bad input: file, line if line > 0, field, value and what was expected. A
- * missing or empty value is reported as missing. */
 cml_status cml_fail_field(struct cml_error *err, const char *file, int line, const char *field,
                           const char *value, const char *expected)
 {

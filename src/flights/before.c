@@ -258,8 +258,6 @@ static void note_no_medium_times(const struct cml_scene *scene)
              scene->time.gates + 1, CML_MEDIUM_TIMES);
 }
 
-/* Describes a file that will be replaced, for a note; with the photons of an old result, which cost time.
- * False if there is no file. */
 bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
 {
     if (access(path, F_OK) != 0 || cml_file_is_device(path)) return false;

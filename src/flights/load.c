@@ -55,7 +55,6 @@ cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_
     return cml_cluster_agree(status, err);
 }
 
-/* Reads the scenes and calls `fly` for each, with the number of threads chosen for this rank. */
 cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly, struct cml_error *err)
 {
     struct cml_options mine = *options;

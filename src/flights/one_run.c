@@ -476,8 +476,7 @@ static void begin(const struct cml_run_call *call, struct cml_display *display, 
     setup->context = options->receiver->context;
 }
 
-/* Does one run from beginning to end: plans, prepares, flies and publishes. Frees whatever was made,
- * complete or not. No rank may return before all agree. */
+/* No rank may return before all agree. */
 cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;

@@ -68,7 +68,6 @@ cml_status cml_sweep_name_row(const struct cml_sweep_run *sweep, int row, cml_st
                     why.text);
 }
 
-/* Makes the scene of a row from the base scene and the row's settings. */
 cml_status cml_sweep_read(const struct cml_sweep_run *sweep, int row, const struct cml_settings *settings,
                           struct cml_scene *scene, struct cml_error *err)
 {

@@ -435,8 +435,6 @@ static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list
     return check_rest(reader, list);
 }
 
-/* Reads all runs of a .mci file into a list of scenes. After a failure the list is empty: nobody sees an
- * incomplete scene. */
 cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
                         struct cml_scene_list *list, struct cml_error *err)
 {
@@ -478,8 +476,6 @@ static cml_status read_shapes(const struct cml_mci_reader *copying, struct cml_s
     return CML_OK;
 }
 
-/* Copies a scene with other settings. The copy shares shapes and tables with the original, except those
- * whose scale the settings change. */
 cml_status cml_mci_copy(const struct cml_scene *from, const struct cml_input_options *options,
                         struct cml_scene *scene, struct cml_error *err)
 {

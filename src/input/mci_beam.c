@@ -212,8 +212,7 @@ cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *sce
     return CML_OK;
 }
 
-/* Reads a line `beam` and the files that it names. The line's z= decides between a beam inside the scene and
- * one from above. */
+/* The line's z= decides between a beam inside the scene and one from above. */
 cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_key_part parts[CML_MOST_KEY_PARTS];
@@ -348,8 +347,6 @@ static cml_status start_in_port(const struct cml_mci_reader *reader, const struc
         CML_TEXT("a port with no line on top of it; line %d lies on top", scene->contacts[above - 1].line));
 }
 
-/* Checks every beam against the rest of the scene, when all lines are read. A rectangle that is to cover one
- * period of a tile gets its size here. */
 cml_status cml_mci_check_beams(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_beams; k++) {

@@ -146,8 +146,6 @@ static cml_status read_body(struct cml_mci_reader *reader, int number, struct cm
     return check_axis(reader, owner, body);
 }
 
-/* Reads a body inside layer `layer` with its optical properties. Its host is first assumed to be the layer;
- * a body around it may be found later. */
 cml_status cml_mci_body(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
 {
     CML_TRY(grow(reader, scene));

@@ -388,8 +388,7 @@ static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind
     return cml_mci_name_line(reader, CML_TEXT("boundary %d", index), boundary->file, status);
 }
 
-/* Reads a line `b` or `m` with the shape of boundary number `index`. A boundary has one shape. With
- * options->flat the shape is checked and dropped. */
+/* A boundary has one shape. With options->flat the shape is checked and dropped. */
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                             struct cml_boundary *boundary)
 {

@@ -25,8 +25,6 @@ static const struct {
               {"port", CML_DETECTOR_PORT, CML_KEYS_NONE}};
 enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
-/* Lists which groups of keys of a detector may be set: it depends on its shape and on whether it looks in
- * one direction. */
 void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part)
 {
     int s = detector->ring ? 1 : 0;
@@ -145,7 +143,6 @@ static cml_status read_rows(struct cml_mci_reader *rows, void *context)
                : cml_mci_fail(rows, "rows", "0", "a detector in each, one at least");
 }
 
-/* Reads a line `detector`, or a file of such lines. */
 cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct table table = {reader, scene};
@@ -265,8 +262,7 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
     return CML_OK;
 }
 
-/* Completes all detectors when all lines are read, and refuses two of one name, or more than 2^30 pixels in
- * all. Each pixel needs a sum and a sum of squares, hence 2^31 cells at most. */
+/* Each pixel needs a sum and a sum of squares, hence 2^31 cells at most. */
 cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const double most = 2147483648.0;

@@ -62,7 +62,6 @@ static cml_status read_rows(struct cml_mci_reader *rows, void *context)
     return cml_text_copy(rows->text.path, &phase->file, rows->err);
 }
 
-/* Returns the group of keys of a phase function; CML_KEYS_NONE for none, or one without parameters. */
 enum cml_key_group cml_mci_phase_keys(const struct cml_phase *phase)
 {
     static const enum cml_key_group keys[CML_PHASE_KINDS] = {CML_KEYS_HG2, CML_KEYS_MHG, CML_KEYS_GK};
@@ -112,8 +111,6 @@ static cml_status share_phase(const struct cml_mci_reader *reader, struct cml_sc
     return CML_OK;
 }
 
-/* Reads a line `phase`, which gives the layer or body before it a phase function. Equal phase functions are
- * stored once. */
 cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
 {
     const int k = scene->num_bodies - 1;
@@ -180,8 +177,6 @@ static cml_status check_mean(const struct cml_mci_reader *reader, const struct c
                           CML_TEXT("the medium's g = %g to 1e-3", medium->g));
 }
 
-/* Checks all media when all numbers are known: that rounding does not lose the absorption, and that a
- * table's mean cosine fits g. */
 cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     double mean[CML_MOST_PHASES];
@@ -201,8 +196,6 @@ cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct
 
 /* ---- backing: the surface under the last boundary ---- */
 
-/* Reads a line `backing`, the surface under the last boundary: a metal of complex index, or a mirror or
- * Lambertian reflector of reflectance R. */
 cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing)
 {
     char expected[CML_KEY_TEXT];
@@ -240,7 +233,6 @@ static bool set_rough_kind(const char *name, struct cml_rough_def *rough)
     return which >= 0;
 }
 
-/* Reads the roughness of a body, as in rough=ggx,0.2; false if it is invalid. */
 bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
 {
     char name[16];
@@ -251,7 +243,6 @@ bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
            cml_key_parse(cml_keys_of(CML_KEYS_ROUGH), text + length + 1, &rough->alpha);
 }
 
-/* Reads a line `rough` of boundary number `index`: the distribution of facet slopes and its width alpha. */
 cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index, struct cml_rough_def *rough)
 {
     const char *owner = CML_TEXT("boundary %d", index);

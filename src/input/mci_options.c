@@ -6,20 +6,17 @@
 
 #include <string.h>
 
-/* Refuses a value of an option in the current line; the field is named "OWNER: FIELD". */
 cml_status cml_mci_fail_option(const struct cml_mci_line *line, const char *field, const char *value,
                                const char *expected)
 {
     return cml_mci_fail(line->reader, CML_TEXT("%s: %s", line->owner, field), value, expected);
 }
 
-/* Refuses the value of the option that was read last. */
 cml_status cml_mci_fail_value(const struct cml_mci_line *line, const char *expected)
 {
     return cml_mci_fail_option(line, line->key->name, line->value, expected);
 }
 
-/* Returns the value that the line gave for an option, or NULL if it did not. */
 const char *cml_mci_saw(const struct cml_mci_line *line, const char *name)
 {
     for (int i = 0; i < line->num_seen; i++)
@@ -93,15 +90,12 @@ static cml_status take_option(struct cml_mci_line *line, char *word)
     return fail_unknown(line, word);
 }
 
-/* Reads all options key=value up to the end of the line. */
 cml_status cml_mci_options(struct cml_mci_line *line)
 {
     for (char *word; (word = cml_text_word(&line->reader->cursor));) CML_TRY(take_option(line, word));
     return CML_OK;
 }
 
-/* Reads `count` numbers with commas between and no blanks, like "0.1,2". Returns false for anything else, or
- * a number out of range. */
 bool cml_mci_parse_list(const char *text, int count, double *values)
 {
     static const struct cml_key length = {.least = -CML_MCI_HUGE, .most = CML_MCI_HUGE};

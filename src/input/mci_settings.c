@@ -306,8 +306,6 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
     return CML_OK;
 }
 
-/* Returns the number of the layer that a setting such as layer2.mua or epidermis.mua names; 0 if it names
- * none. */
 int cml_mci_layer_of(const struct cml_scene *scene, const char *text)
 {
     struct name name;
@@ -332,8 +330,6 @@ cml_status cml_mci_is_setting(const struct cml_scene *scene, const char *text, b
     return CML_OK;
 }
 
-/* True if a column's quoted name was perhaps meant as a setting: a dot, a beginning like "layer", or a name
- * similar to that of a number. */
 bool cml_mci_resembles_setting(const char *text)
 {
     struct cml_guess guess = {.word = text, .length = strlen(text)};
@@ -392,7 +388,6 @@ static const char *why_no_layer_name(const struct cml_scene *scene, int layer, c
     return NULL;
 }
 
-/* Cuts the word name=NAME off the end of a layer's line and gives the layer this name. */
 cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, int layer,
                               struct cml_scene *scene)
 {

@@ -302,8 +302,6 @@ static void add_cells(struct cml_field_list *c, enum cml_quantity quantity, enum
     if (groups || r->layout.parts[array] > 1) add_errors(c);
 }
 
-/* Adds every array of the result whose first axis is `first` as fields of a file. Arrays over an exit angle
- * are left out if the scene asks for none. */
 void cml_add_fields(struct cml_field_list *c, enum cml_axis_kind first)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
@@ -430,8 +428,7 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
     }
 }
 
-/* Adds the light at the plane around boundary b, beyond the facets, as single values. The plane has no area
- * to divide by, so values are shares of the launched weight. Also adds the areas of facets. */
+/* The plane has no area to divide by, so values are shares of the launched weight. */
 void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_result *r = c->report->sums;
@@ -522,8 +519,6 @@ static void set_flux(const struct cml_report *report, const struct cml_body_surf
     if (step) o->error[CML_QUANTITY_flux_body][at] = cml_result_cell_error(sums, group, 1);
 }
 
-/* Fills the outcome with the flux through each side of each body, and with its standard errors if facets are
- * kept by group. */
 cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *o,
                                   struct cml_error *err)
 {

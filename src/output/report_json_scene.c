@@ -123,7 +123,6 @@ json_t *cml_json_beam(const struct cml_json_subject *subject, int k)
     return object;
 }
 
-/* Returns the scene's backing; null if it has none. */
 json_t *cml_json_backing(const struct cml_backing_def *backing)
 {
     if (backing->kind == CML_BACKING_NONE) return json_null();

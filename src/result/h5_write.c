@@ -138,8 +138,6 @@ void cml_h5_fields_free(struct cml_h5_fields *f)
     *f = (struct cml_h5_fields){0};
 }
 
-/* Writes the .h5 of a result: all its quantities, and the fields in `more`, whose values are computed while
- * they are written, so that they are never in memory as a whole. */
 cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                         struct cml_error *err)
 {

@@ -235,8 +235,7 @@ static const char *find_size(const char *line)
     return size;
 }
 
-/* Refuses a checkpoint of another run, and names the first line in which the identities differ. For an input
- * file of the same name, the message says that its contents differ. */
+/* For an input file of the same name, the message says that its contents differ. */
 cml_status cml_fail_other_run(const char *path, const char *theirs, const char *mine, const char *expected,
                               struct cml_error *err)
 {
@@ -475,8 +474,6 @@ static cml_status read_older(const char *path, const struct wanted *wanted, stru
     return CML_OK;
 }
 
-/* Reads the checkpoint of a run, or the older one beside it if the newest is missing or damaged. *note then
- * tells the user so. */
 cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
                                struct cml_run_state *state, struct cml_result *result, bool tallies,
                                struct cml_record *record, struct cml_error *note, struct cml_error *err)
@@ -501,8 +498,6 @@ static struct cml_checkpoint_about about_of(const struct head *head)
                                          head->num_cells > 0, head->begin, head->end, head->part};
 }
 
-/* Reads only the head of a checkpoint: what kind of run wrote it and how far it got. A file that cannot be
- * read counts as none. */
 struct cml_checkpoint_about cml_checkpoint_look(const char *path)
 {
     struct cml_checkpoint_about about = {.kind = CML_CHECKPOINT_NONE};

@@ -16,8 +16,6 @@ static bool is_beside_part(const char *path)
            cml_file_ends_in(path, ".tmp");
 }
 
-/* Reads the heads of all files that `merge` was given, and skips files that only lie beside parts (.lock,
- * .old, .tmp). */
 cml_status cml_part_files_read(char *const *path, int count, struct cml_part_files *files,
                                struct cml_error *err)
 {
@@ -34,7 +32,6 @@ cml_status cml_part_files_read(char *const *path, int count, struct cml_part_fil
     return cml_fail(err, CML_E_INPUT, "merge: no parts (expected those of a run, NAME.partKofN)");
 }
 
-/* Frees what was read of the files of parts. */
 void cml_part_files_clear(struct cml_part_files *files)
 {
     for (int i = 0; files->file && i < files->count; i++) {

@@ -160,7 +160,6 @@ static cml_status read_grid(struct grid *g, double unit, struct cml_heightmap *m
     return cml_heightmap_check(g->text.path, map, g->err);
 }
 
-/* Reads an ESRI ASCII grid as a heightmap, with its middle at x = y = 0. The file does not say its unit. */
 cml_status cml_esri_read(const struct cml_text_source *source, const char *path, double unit,
                          struct cml_heightmap *map, struct cml_error *err)
 {

@@ -232,14 +232,12 @@ static cml_status read_file(const struct cml_text_source *source, const char *pa
     return status;
 }
 
-/* Reads a Gwyddion simple field as a heightmap in cm. */
 cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
                         struct cml_heightmap *map, struct cml_error *err)
 {
     return read_file(source, path, unit, false, map, err);
 }
 
-/* Reads a Gwyddion simple field as an image, whose values keep their unit. */
 cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char *path,
                                struct cml_heightmap *map, struct cml_error *err)
 {

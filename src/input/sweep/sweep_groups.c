@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* True if a column of the sweep sets an absorption coefficient, as its name ends in .mua. */
 bool cml_sweep_is_absorption(const char *name)
 {
     const char *dot = strrchr(name, '.');
@@ -39,8 +38,7 @@ static bool may_share(const struct cml_sweep_table *table, const struct cml_swee
     return true;
 }
 
-/* Divides the rows of a sweep into groups that one flight can serve. A row joins the first group whose first
- * row it may share a flight with. */
+/* A row joins the first group whose first row it may share a flight with. */
 cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml_sweep_medium *media,
                            int **group, int *num_groups, struct cml_error *err)
 {

@@ -172,7 +172,6 @@ static cml_status read_table(struct cml_sweep_table *table, struct cml_error *er
     return fail_at(&table->text, "the first row", NULL, "a value for every name", err);
 }
 
-/* Reads the table of --sweep: a row of names, then a row of values for each run. */
 cml_status cml_sweep_table_read(const struct cml_text_source *source, const char *path,
                                 struct cml_sweep_table *table, struct cml_error *err)
 {
@@ -183,7 +182,6 @@ cml_status cml_sweep_table_read(const struct cml_text_source *source, const char
     return status;
 }
 
-/* Frees a table of --sweep. */
 void cml_sweep_table_clear(struct cml_sweep_table *table)
 {
     cml_text_clear(&table->text);
@@ -194,8 +192,6 @@ void cml_sweep_table_clear(struct cml_sweep_table *table)
     *table = (struct cml_sweep_table){0};
 }
 
-/* Returns a cell of the table as a setting that remembers its line and column for messages. Its value points
- * into the table. */
 struct cml_setting cml_sweep_cell(const struct cml_sweep_table *table, int row, int column)
 {
     struct cml_setting setting = {

@@ -413,8 +413,7 @@ static cml_status write_h5(const char *path, const struct grid *grid, struct fie
     return cml_hdf5_write(path, attributes, count, &r->call, list->field, list->count, err);
 }
 
-/* Writes the results of a sweep as HDF5. If the rows form a full grid of settings, each setting becomes an
- * axis; otherwise the rows are the only axis. `most` bounds the number of fields. */
+/* `most` bounds the number of fields. */
 cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *results,
                               struct cml_error *err)
 {

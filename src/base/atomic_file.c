@@ -5,6 +5,7 @@
 #endif
 #include "base/atomic_file.h"
 
+#include "base/array.h"
 #include "base/text.h"
 
 #include <dirent.h>
@@ -245,7 +246,7 @@ cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct
 /* Files of this thread that are committed but not yet synced. */
 static _Thread_local struct {
     bool on;
-    size_t count, capacity;
+    size_t count;
     char **path; /* [count] final names of the files */
 } deferred;
 
@@ -257,13 +258,9 @@ void cml_file_defer_sync(bool on)
 /* Adds a file to those that are forced to disk later, all together. Returns false if memory runs out. */
 static bool defer(const char *path)
 {
-    if (deferred.count == deferred.capacity) {
-        const size_t capacity = deferred.capacity ? 2 * deferred.capacity : 64;
-        char **larger = realloc(deferred.path, capacity * sizeof *larger);
-        if (!larger) return false;
-        deferred.path = larger;
-        deferred.capacity = capacity;
-    }
+    struct cml_error ignored;
+    if (cml_array_grow(&deferred.path, deferred.count, sizeof *deferred.path, "names", &ignored) != CML_OK)
+        return false;
     deferred.path[deferred.count] = strdup(path);
     return deferred.path[deferred.count] && ++deferred.count;
 }
@@ -323,7 +320,7 @@ cml_status cml_file_sync_deferred(struct cml_error *err)
     for (size_t i = 0; i < deferred.count; i++) free(path[i]);
     free(path);
     deferred.path = NULL;
-    deferred.count = deferred.capacity = 0;
+    deferred.count = 0;
     return status;
 }
 

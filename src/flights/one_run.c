@@ -480,7 +480,9 @@ static void begin(const struct cml_run_call *call, struct cml_display *display, 
 cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    struct cml_display display = {.quiet = options->quiet, .terminal = isatty(STDERR_FILENO)};
+    /* the Python package, which sets CLUSTERMCML_PARENT, reads the bar from a pipe */
+    const bool terminal = isatty(STDERR_FILENO) || getenv("CLUSTERMCML_PARENT");
+    struct cml_display display = {.quiet = options->quiet, .terminal = terminal};
     struct own run = {0};
     begin(call, &display, &run.sim);
     *record = (struct cml_record){0};

@@ -23,6 +23,10 @@ static const char *const names[STAGES] = {
     [EXIT] = "exit: collect the packet, its bins, balance and squares (every lane)",
     [LAUNCH] = "launch (every lane)",
 };
+#ifndef CML_TRIES /* of each stage; tests/cli/bench_programs.sh needs one */
+#define CML_TRIES 25
+#endif
+
 enum { PASS = SCATTER + 1, CELLS = 52 * 202, EXIT_CELLS = 51 * 30 };
 
 static struct cml_bundle bundle;
@@ -127,7 +131,7 @@ static void run_stage(int stage)
  * them. */
 static double time_stages(int from, int to, int without)
 {
-    enum { tries = 25, repeats = 10000 };
+    enum { tries = CML_TRIES, repeats = 10000 };
     double best = INFINITY;
     for (int n = 0; n < tries; n++) {
         const double begin = thread_seconds();

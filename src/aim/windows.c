@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Refuses a quantity that --aim cannot aim at. Only the first `length` letters of `aim` name it. */
 cml_status cml_aim_refuse(const struct cml_scene *scene, const char *aim, int length, const char *expected,
                           struct cml_error *err)
 {
@@ -89,8 +88,6 @@ static double depth_of(const struct cml_medium_def *media, int layers)
     return depth;
 }
 
-/* Makes the weight windows of --aim Tt: targets that guide packets to the light below the first `layers`
- * layers. The importance at each depth comes from adding-doubling of the layers as planes. */
 cml_status cml_windows_below(const char *aim, const struct cml_scene *scene,
                              const struct cml_medium_def *media, int layers, struct cml_window_table *windows,
                              struct cml_error *err)
@@ -384,7 +381,6 @@ static cml_status weigh_plain(const struct cml_scene *scene, const struct cml_me
     return status;
 }
 
-/* Makes the weight windows for light that a detector or a group sees, and estimates their gain. */
 cml_status cml_windows_at(const char *aim, const struct cml_scene *scene,
                           const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                           int number, struct cml_window_table *windows, struct cml_error *err)

@@ -404,9 +404,7 @@ static cml_status search_planes(struct search *search, struct cml_error *err)
     return status;
 }
 
-/* Replaces shapes by planes where trial flights show that the plane changes no result by more than
- * --tolerance. Trials have options of their own (seed, sampling), so that the outcome depends on the scene
- * only. */
+/* Trials have options of their own (seed, sampling), so that the outcome depends on the scene only. */
 cml_status cml_make_harmless_planes(const struct cml_scene *scene, const struct cml_surface_options *options,
                                     const struct cml_engine *engine,
                                     const struct cml_engine_options *engine_options,

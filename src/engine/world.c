@@ -66,8 +66,7 @@ static double phase_bytes(const struct cml_scene *scene)
            (sizeof(struct cml_phase_line) + sizeof(struct cml_phase_cell));
 }
 
-/* Returns the memory of the scene in the form that kernels read, in bytes. Boundaries and bodies have the
- * same records, so they are counted together. */
+/* Boundaries and bodies have the same records, so they are counted together. */
 double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_owned_world all = counted(surfaces);
@@ -480,8 +479,7 @@ static cml_status make_scores(const struct cml_scene *scene, const struct cml_ta
     return CML_OK;
 }
 
-/* Makes the scene in the form that kernels read: media, surfaces, bodies, beams, detectors. Beams come after
- * all surfaces, because the walk's own functions find the medium in which a beam starts. */
+/* Beams come after all surfaces, because the walk's own functions find the medium in which a beam starts. */
 cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                   const struct cml_engine_options *options, struct cml_owned_world *to,
                                   struct cml_error *err)

@@ -303,8 +303,6 @@ static int set_arcs(const struct cml_scene *scene, const struct cml_window_table
     return count;
 }
 
-/* Fills the detectors in the order of the scene, and sorts their places into levels, each with a grid of
- * cells. */
 cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                              const struct cml_window_table *windows, struct cml_owned_world *to,
                              struct cml_error *err)

@@ -401,7 +401,6 @@ static void set_port(const struct cml_scene *scene, const struct cml_beam *beam,
 
 /* ---- all beams ---- */
 
-/* Returns the memory of all beams in the form that kernels read, in bytes. */
 double cml_source_bytes(const struct cml_scene *scene)
 {
     double bytes = 0;
@@ -451,7 +450,6 @@ static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_wo
     return status;
 }
 
-/* Returns the medium in which the middle of a beam lies; 0 is the medium above, where most beams start. */
 int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam)
 {
     static const double no_offset[3] = {0, 0, 0};
@@ -474,8 +472,6 @@ static cml_status check_stops(const struct cml_scene *scene, const struct cml_wo
     return CML_OK;
 }
 
-/* Fills one source per beam: its shape, the directions of its light, its axis, and the place and medium where
- * its packets start. */
 cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                            const struct cml_surface_set *start_as, struct cml_owned_world *to,
                            struct cml_error *err)

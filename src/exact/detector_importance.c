@@ -172,7 +172,6 @@ static void *doubles(struct cml_arrays *arrays, size_t count)
     return cml_arrays_add(arrays, count, sizeof(double));
 }
 
-/* Computes the importance of light by ring and depth, from the diffusion equation in finite volumes. */
 cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers, struct cml_seen_rings seen,
                                    double reach, double depth, int rings, int cells, double *value,
                                    struct cml_error *err)

@@ -19,8 +19,7 @@ static double legendre(int n, double x, double *slope)
     return p;
 }
 
-/* Returns node i of Gauss's quadrature with n nodes on [-1, 1] and its weight: Newton's method from
- * Tricomi's first guess. */
+/* Newton's method from Tricomi's first guess. */
 double cml_gauss_node(int n, int i, double *weight)
 {
     double x = cos(CML_PI * (i + 0.75) / (n + 0.5)), slope = 1;
@@ -130,14 +129,11 @@ static void add_all(struct cml_directions *to, const double *index, int distinct
     }
 }
 
-/* Returns the cosine of direction i in a medium of index n, by Snell's law. */
 double cml_directions_cosine(const struct cml_directions *directions, int i, double n)
 {
     return refracted_cosine(directions->index[i], directions->cosine[i], n);
 }
 
-/* Describes which rows of a matrix between the first n directions are full: those of directions with weight.
- * Directions without weight receive light only from themselves. */
 struct cml_dense_kind cml_directions_kind(const struct cml_directions *directions, int n)
 {
     int full = 0;
@@ -216,7 +212,6 @@ static cml_status allocate(int num_media, int most, struct cml_directions *to, s
     return status;
 }
 
-/* Makes the directions of a stack: nodes between the indices of its media, each with its weights. */
 cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers, const bool *spreads,
                                  const struct cml_exact_light *light, int order, struct cml_directions *to,
                                  struct cml_error *err)

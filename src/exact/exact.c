@@ -221,7 +221,6 @@ static bool estimate(const struct search *search, struct cml_exact *exact)
     return search->num_rough > 0 && most <= 2 * most_spread;
 }
 
-/* Returns the largest error among all totals and layers. */
 double cml_exact_worst(const struct cml_exact *exact)
 {
     double worst = 0;
@@ -295,8 +294,6 @@ static void find_rough(struct search *search)
     }
 }
 
-/* Computes the shares of plane layers with rising orders, until all errors are within the tolerance or the
- * work is too much. */
 cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
                            const struct cml_exact_light *light, const struct cml_exact_options *options,
                            struct cml_exact *exact, struct cml_error *err)
@@ -322,7 +319,6 @@ cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
     return status;
 }
 
-/* Computes the shares of a scene with planes in place of its boundaries. */
 cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
                            const struct cml_exact_options *options, struct cml_exact *exact,
                            struct cml_error *err)

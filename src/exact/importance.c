@@ -88,8 +88,7 @@ static void interpolate(const struct pieces *pieces, double depth, int cells, do
     }
 }
 
-/* Computes for each depth how likely light there comes out below the layers. By reciprocity this is the
- * fluence that light from below would cause there. */
+/* By reciprocity the importance is the fluence that light from below would cause there. */
 cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layers, int cells, double *value,
                                    struct cml_error *err)
 {

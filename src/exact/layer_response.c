@@ -252,8 +252,6 @@ static void set_cosines(const struct cml_directions *directions, struct work *w)
     }
 }
 
-/* Computes the response of a layer: by doubling a very thin layer, or directly if the medium does not
- * scatter. count: number of directions; terms: Legendre terms of the phase function. */
 cml_status cml_layer_response_create(const struct cml_medium_def *medium,
                                      const struct cml_directions *directions, int count, int terms,
                                      struct cml_layer_response *to, struct cml_error *err)

@@ -142,15 +142,12 @@ static cml_status check_beams(const struct cml_scene *scene, double top, struct 
     return CML_OK;
 }
 
-/* True if adding-doubling can compute this scene: light from above, and no backing of metal. */
 bool cml_exact_knows(const struct cml_scene *scene, double top)
 {
     return scene->backing.kind != CML_BACKING_METAL && scene->num_contacts == 0 &&
            all_come_from_above(scene, top);
 }
 
-/* Collects the light of all beams by direction: parallel beams as rays, steepest first; diffuse light as one
- * share; cones and tables as samples of many directions. top: beams must start above this depth, cm. */
 cml_status cml_exact_light_create(const struct cml_scene *scene, double top, struct cml_exact_light *light,
                                   struct cml_error *err)
 {
@@ -190,7 +187,7 @@ void cml_exact_light_clear(struct cml_exact_light *light)
     *light = (struct cml_exact_light){0};
 }
 
-/* Returns the share of the light that comes in exactly vertically. Such beams stand first in the list. */
+/* Vertical beams stand first in the list. */
 double cml_exact_light_normal(const struct cml_exact_light *light)
 {
     double share = 0;
@@ -198,15 +195,12 @@ double cml_exact_light_normal(const struct cml_exact_light *light)
     return share;
 }
 
-/* Returns node i of Chebyshev's nodes between low and high, at which interpolation is most accurate. */
 double cml_exact_node(double low, double high, int count, int i)
 {
     return 0.5 * (low + high) + 0.5 * (high - low) * cos(CML_PI * (i + 0.5) / count);
 }
 
-/* Moves the light of all samples to `count` fixed directions (nodes between `low` and `high`), so that any
- * smooth response summed over the nodes equals the one over the samples: barycentric interpolation [Berrut,
- * Trefethen, SIAM Review 46 (2004) 501]. x[k]: direction of sample k. */
+/* Barycentric interpolation [Berrut, Trefethen, SIAM Review 46 (2004) 501]. */
 void cml_exact_gather(const double *x, const struct cml_exact_ray *sample, int samples, double low,
                       double high, int count, double *share)
 {

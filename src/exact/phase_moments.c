@@ -78,8 +78,7 @@ static cml_status integrate(const struct cml_phase *phase, int count, double *mo
     return CML_OK;
 }
 
-/* Computes the first `count` Legendre moments of a medium's phase function. Henyey-Greenstein functions have
- * the moments g^l; a share of cos^2 adds to moment 2; others are integrated. */
+/* A share of cos^2 adds to moment 2; functions without a closed form are integrated. */
 cml_status cml_phase_moments(const struct cml_medium_def *medium, int count, double *moment,
                              struct cml_error *err)
 {

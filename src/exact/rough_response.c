@@ -190,8 +190,6 @@ void cml_rough_response_clear(struct cml_rough_response *response)
     *response = (struct cml_rough_response){0};
 }
 
-/* Estimates the matrices of a rough boundary by random walks from all directions on both sides. above,
- * below: numbers of directions on both sides. */
 cml_status cml_rough_response_create(const struct cml_rough_plane *plane,
                                      const struct cml_directions *directions, int above, int below,
                                      double walks, unsigned seed, struct cml_rough_response *to,

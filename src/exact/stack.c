@@ -41,8 +41,6 @@ struct stack {
     double *share;       /* [num_blocks][most + BLOCK_LAYERS][most] shares of all blocks */
 };
 
-/* Returns Fresnel's reflectance of unpolarised light between indices n1 and n2; c1 and c2 are the cosines on
- * both sides. A cosine of 0 means total reflection. */
 double cml_stack_fresnel(double n1, double c1, double n2, double c2)
 {
     if (!(c1 > 0 && c2 > 0)) return 1;
@@ -269,8 +267,6 @@ static void share_out(const struct stack *stack, const double *light, int step, 
     *transmitted = light[0];
 }
 
-/* Computes the shares of incident light that a stack of layers reflects, transmits and absorbs, by adding
- * layer after layer. absorbed: [layers]. */
 cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                             const struct cml_stack_rough *rough, const struct cml_directions *directions,
                             int terms, double *reflected, double *transmitted, double *absorbed,
@@ -288,8 +284,6 @@ cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml
     return status;
 }
 
-/* Computes what becomes of a ray in each direction without weight: the shares that are transmitted and that
- * each layer absorbs. response: [1 + layers][count], count: number of these rays. */
 cml_status cml_stack_responses(const struct cml_medium_def *media, const struct cml_directions *directions,
                                int terms, int count, double *response, struct cml_error *err)
 {

@@ -178,8 +178,6 @@ static cml_status fill(const struct cml_medium_def *stack, int num_layers, struc
     return status;
 }
 
-/* Makes the table of what light that goes down through depth z in layer `layer` will finally give:
- * absorption of each layer below, and transmittance (rule P15). */
 cml_status cml_tail_create(const struct cml_medium_def *media, int num_layers, int layer, double z,
                            struct cml_flat_tail *tail, struct cml_error *err)
 {

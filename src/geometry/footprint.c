@@ -9,7 +9,6 @@ struct cml_footprint {
     struct cml_polygon_rows rows;
 };
 
-/* Builds the footprint of a mesh: the polygon of its border, with edges sorted into rows. */
 cml_status cml_footprint_create(const struct cml_mesh *mesh, struct cml_footprint **footprint,
                                 struct cml_error *err)
 {
@@ -41,8 +40,7 @@ static bool edge_is_right(const double p[2], const double q[2], double x, double
     return x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
 }
 
-/* True if a ray from (x, y) meets the border an odd number of times (Jordan's curve theorem; the even-odd
- * rule of M. Shimrat, Algorithm 112, Comm. ACM 5 (1962) 434). */
+/* Jordan's curve theorem; the even-odd rule of M. Shimrat, Algorithm 112, Comm. ACM 5 (1962) 434. */
 bool cml_footprint_contains(const struct cml_footprint *footprint, double x, double y)
 {
     const struct cml_polygon_rows *rows = &footprint->rows;
@@ -65,8 +63,7 @@ static double distance_to_edge(const double p[2], const double q[2], double x, d
     return hypot(px - s * ex, py - s * ey);
 }
 
-/* True if the border comes within d of (x, y). All edges that come within d in y are listed in the rows from
- * y - d to y + d. */
+/* All edges that come within d in y are listed in the rows from y - d to y + d. */
 bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double x, double y, double d)
 {
     const struct cml_polygon_rows *rows = &footprint->rows;
@@ -97,8 +94,7 @@ static bool edge_meets_box(const double p[2], const double q[2], const double bo
     return from <= to;
 }
 
-/* True if the rectangle lies inside the border. If no edge meets the rectangle, all of it lies on the same
- * side as its middle. */
+/* If no edge meets the rectangle, all of it lies on the same side as its middle. */
 bool cml_footprint_contains_box(const struct cml_footprint *footprint, const double lower[2],
                                 const double upper[2])
 {

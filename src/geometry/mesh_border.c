@@ -109,7 +109,6 @@ static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struc
     return status;
 }
 
-/* Returns the largest side of the mesh's bounding box, cm. */
 double cml_mesh_extent(const struct cml_mesh *mesh)
 {
     double extent = 0;
@@ -263,8 +262,6 @@ static cml_status place_border(struct cml_mesh_work *work, const uint32_t *leavi
     return check_simple(work, leaving, err);
 }
 
-/* Finds the border of a boundary mesh, stores it in the mesh, and turns the mesh over if it is upside down.
- * leaving[v] is the vertex that follows vertex v on the border. */
 cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err)
 {
     uint32_t *leaving = malloc(work->mesh->num_vertices * sizeof *leaving);
@@ -387,8 +384,6 @@ static void turn_parts(struct cml_mesh_work *work, const struct part *parts)
     }
 }
 
-/* Orients all facets of a body so that their normals point away from its material: outwards on parts,
- * inwards on cavities. */
 cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -132,7 +132,7 @@ static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
     return CML_OK;
 }
 
-/* True if triangle t has an area of exactly 0. A sliver that is merely thin is a valid surface. */
+/* A sliver that is merely thin is a valid surface. */
 bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
 {
     const uint32_t *corner = mesh->triangle[t];
@@ -193,8 +193,6 @@ static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
     return CML_OK;
 }
 
-/* Makes the vertices and triangles of a file sound: refuses bad numbers and indices, joins equal vertices,
- * and drops faces of zero area and unused vertices. */
 cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_error *err)
 {
     CML_TRY(check_vertices(work, err));

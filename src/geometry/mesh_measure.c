@@ -61,8 +61,6 @@ static void add_outer_plane(struct cml_mesh *mesh)
     }
 }
 
-/* Computes a unit normal at every vertex: the mean of the adjacent facets' normals, weighted by angle. The
- * outer plane beyond the border counts as a facet. */
 cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err)
 {
     mesh->vertex_normal = calloc(mesh->num_vertices, sizeof *mesh->vertex_normal);

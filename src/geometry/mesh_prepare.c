@@ -65,7 +65,6 @@ static bool is_sound_with(const struct cml_mesh_work *work, double weld)
     return is_sound;
 }
 
-/* Prepares a boundary mesh, step by step. Each step is a function of mesh_parts.h. */
 cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
                             struct cml_mesh_notes *notes, struct cml_error *err)
 {

@@ -143,7 +143,6 @@ static cml_status check_faces(const struct cml_mesh_work *work, struct cml_error
     return CML_OK;
 }
 
-/* Adds a skirt around the border of a mesh, which ends at the border's mean depth. */
 cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -304,8 +304,7 @@ static void keep_above(struct above *above, struct shape *shape)
     if (!above->plane.boundary || shape->bottom >= above->plane.bottom) above->plane = *shape;
 }
 
-/* Refuses a scene whose boundaries cross or touch. Each boundary is compared with itself and with those
- * above it that could reach it, which `above` keeps. */
+/* Each boundary is compared with itself and with those above it that could reach it, which `above` keeps. */
 cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err)
 {
     struct above above = {.curved.boundary = NULL};

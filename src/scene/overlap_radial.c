@@ -32,8 +32,6 @@ static void compare_at_radius(const struct cml_radial_surface *upper, const stru
     keep_closest(closest, r, 0.0, upper->z - above, lower->z - below, size);
 }
 
-/* Finds where two radial heightfields come closest. Both are straight between their samples, so one of their
- * radii has the smallest gap. */
 void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                                struct cml_closest *closest)
 {
@@ -62,8 +60,6 @@ static void compare_at_point(const struct comparison *c, double x, double y, dou
         keep_closest(c->closest, x, y, field, mesh, size);
 }
 
-/* Returns the first sample of a radial heightfield at radius r or beyond; n if there is none. Radii rise, so
- * bisection finds it. */
 int cml_radial_sample_from(const struct cml_radial *radial, double r)
 {
     int low = 0, high = radial->n;
@@ -232,8 +228,7 @@ static double least_gap(const struct comparison *c, const double *const v[3], do
     return c->mesh_is_upper ? field_top - (c->z_mesh + bottom) : c->z_mesh + top - field_bottom;
 }
 
-/* Finds where a radial heightfield and a mesh come closest. The heightfield's range of depths is computed
- * once, so that whole triangles can be excluded by it. */
+/* The heightfield's range of depths is computed once, so that whole triangles can be excluded by it. */
 void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
                              const struct cml_footprint *footprint, double z, bool mesh_is_upper,
                              struct cml_closest *closest)

@@ -81,7 +81,6 @@ static double depth_over(const struct relief *relief, double area)
     return relief->outer + (relief->area > 0 ? relief->volume / area : 0);
 }
 
-/* Computes the mean depth of boundary b over an area that contains its whole shape, cm. */
 cml_status cml_mean_depth(const struct cml_scene *scene, const struct cml_surface_set *set, int b,
                           const struct cml_surface_options *options, double area, double *depth,
                           struct cml_error *err)
@@ -109,8 +108,6 @@ static cml_status measure(const struct cml_scene *scene, const struct cml_surfac
     return CML_OK;
 }
 
-/* Computes for every boundary the mean height and the area of its surface, and for every layer the mean
- * thickness. `check` prints them. */
 cml_status cml_mean_shapes(const struct cml_scene *scene, const struct cml_surface_set *set,
                            const struct cml_surface_options *options, struct cml_mean_shapes *mean,
                            struct cml_error *err)

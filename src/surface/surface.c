@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Returns the word for how a surface is represented. */
 const char *cml_surface_kind_name(enum cml_surface_kind kind)
 {
     static const char *const names[] = {"plane", "cone", "mesh", "auto", "sphere", "cylinder"};
@@ -317,8 +316,6 @@ static cml_status represent_bodies(const struct cml_scene *scene, const struct c
     return status;
 }
 
-/* Makes for every boundary and every body of the scene the surface that queries search. A boundary that
- * options->shared has too is shared with it. All are freed again after a failure. */
 cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
                                struct cml_surface_set *set, struct cml_error *err)
 {
@@ -357,8 +354,6 @@ static double outer_height(const struct cml_boundary *boundary)
     return boundary->radial.h[boundary->radial.n - 1];
 }
 
-/* Makes the plane in which a curved boundary continues beyond its border; for a tile the plane at the mean
- * height. */
 void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def)
 {
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE, .rough = boundary->rough};
@@ -369,8 +364,7 @@ void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cm
                def);
 }
 
-/* Makes a boundary of two level rings of cones: a plane that is searched like a heightfield, for trials. The
- * ring's radius of 1 cm is arbitrary. */
+/* The ring's radius of 1 cm is arbitrary. */
 cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, struct cml_surface_def *def,
                                         struct cml_error *err)
 {
@@ -381,7 +375,6 @@ cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, str
     return make_cones(&level, level.n, boundary->z, def, err);
 }
 
-/* Frees a surface when its last user goes, and leaves the plane z = 0. */
 void cml_surface_clear(struct cml_surface_def *def)
 {
     if (cml_share_end(def->users)) {
@@ -392,7 +385,6 @@ void cml_surface_clear(struct cml_surface_def *def)
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
 }
 
-/* Frees all surfaces of a scene. */
 void cml_surfaces_free(struct cml_surface_set *set)
 {
     for (int b = 0; set->item && b < set->count; b++) cml_surface_clear(&set->item[b]);
@@ -401,7 +393,6 @@ void cml_surfaces_free(struct cml_surface_set *set)
     *set = (struct cml_surface_set){0};
 }
 
-/* True if all boundaries are planes and there are no bodies. */
 bool cml_surfaces_are_planes(const struct cml_surface_set *set)
 {
     if (set->bodies.count > 0) return false;
@@ -410,7 +401,6 @@ bool cml_surfaces_are_planes(const struct cml_surface_set *set)
     return true;
 }
 
-/* True if all boundaries are planes without roughness and there are no bodies. */
 bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set)
 {
     for (int b = 0; b < set->count; b++)
@@ -425,8 +415,7 @@ static cml_status one_period(const struct cml_heightmap *tile, struct cml_mesh *
     return cml_tile_sheet(tile, &cells, CML_NORMALS_FACET, mesh, err);
 }
 
-/* Makes the mesh to show for boundary b. A heightfield of equal heights has a mesh, too; a heightfield of one
- * sample and a plane have none. */
+/* A heightfield of equal heights has a mesh, too; a heightfield of one sample and a plane have none. */
 cml_status cml_boundary_mesh(const struct cml_scene *scene, int b, const struct cml_surface_options *options,
                              struct cml_mesh *mesh, struct cml_error *err)
 {

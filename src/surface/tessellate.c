@@ -278,8 +278,6 @@ static cml_status check_options(const struct cml_radial *radial, const struct cm
     return CML_OK;
 }
 
-/* Makes a mesh of a radial heightfield, as fine as the tolerance asks for. The vertices lie on rings around
- * the axis. */
 cml_status cml_tessellate(const struct cml_radial *radial, const struct cml_tessellation *options,
                           const struct cml_mesh_budget *budget, struct cml_mesh *mesh, struct cml_error *err)
 {

@@ -36,7 +36,6 @@ static const char *code_name(cl_int code)
     return "OpenCL error";
 }
 
-/* Makes the error message of a failed call of OpenCL: device, call, and name and number of the code. */
 cml_status cml_opencl_fail(const struct cml_opencl_device *device, const char *what, cl_int code,
                            struct cml_error *err)
 {
@@ -145,7 +144,6 @@ static cml_status find_devices(struct cml_opencl_device **list, int *count, stru
     return CML_OK;
 }
 
-/* Lists all devices with their properties, for callers that include no OpenCL header. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
     struct cml_opencl_device *devices;
@@ -162,8 +160,7 @@ const char *cml_opencl_build(void)
     return "OpenCL 1.2";
 }
 
-/* Returns the number of the device that a rank takes without --device. Ranks of one machine share its GPUs
- * in turn. A CPU that is also a device is left to ranks of machines without a GPU. */
+/* A CPU that is also a device is left to ranks of machines without a GPU. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
     int gpus = 0;
@@ -219,8 +216,7 @@ static int choose_default(const struct cml_opencl_device *all, int count, int lo
     return number;
 }
 
-/* Selects the devices that --device names, or the default one for this rank: at most 64, the size of the
- * engine's list of started devices. */
+/* At most 64 devices are selected, the size of the engine's list of started devices. */
 cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_opencl_device **list, int *count,
                              struct cml_error *err)
 {

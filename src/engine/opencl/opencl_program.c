@@ -95,8 +95,7 @@ static cml_status build_from_text(const struct cml_opencl_device *device, cl_con
     return status;
 }
 
-/* Returns the compiled kernel for a device: from the cache of earlier runs, else compiled and stored there.
- * Without memory for the cache's key, the kernel is compiled and not stored. */
+/* Without memory for the cache's key, the kernel is compiled and not stored. */
 cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context, const char *options,
                               cml_opencl_note *on_note, cl_program *program, struct cml_error *err)
 {

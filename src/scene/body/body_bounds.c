@@ -251,7 +251,6 @@ static cml_status check_boundary(const struct cml_scene *scene, int layer, int n
     return status;
 }
 
-/* Refuses bodies that touch or cross the boundary above or below their layer. */
 cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_error *err)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {
@@ -261,7 +260,6 @@ cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_erro
     return CML_OK;
 }
 
-/* Does the checks of shapes that take time: slopes, overlaps of boundaries, and bodies against boundaries. */
 cml_status cml_scene_check_shapes(const struct cml_scene *scene, struct cml_error *err)
 {
     CML_TRY(cml_scene_check_steepness(scene, err));

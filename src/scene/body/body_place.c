@@ -266,7 +266,6 @@ static cml_status place(struct placing *p, struct cml_sheet *sheets)
     return compare_all(p);
 }
 
-/* Finds the host of every body of the scene, and refuses bodies that cross or touch. */
 cml_status cml_scene_place_bodies(struct cml_scene *scene, struct cml_error *err)
 {
     struct placing p = {.scene = scene, .count = (size_t)scene->num_bodies, .status = CML_OK, .err = err};

@@ -82,7 +82,6 @@ static void project_on_triangle(const struct cml_convex *c, const double p[3], d
     cml_vec3_add_scaled(closest, w, ac, closest);
 }
 
-/* Finds the point of a convex set that is closest to p; p itself if p lies inside. */
 void cml_convex_project(const struct cml_convex *convex, const double p[3], double closest[3])
 {
     if (convex->form == CML_CONVEX_SPHERE)
@@ -93,8 +92,7 @@ void cml_convex_project(const struct cml_convex *convex, const double p[3], doub
         project_on_triangle(convex, p, closest);
 }
 
-/* Returns the distance from p to the surface of a sphere or cylinder, negative inside. Beyond the rim of a
- * cylinder the closest point lies on its edge, hence hypot. */
+/* Beyond the rim of a cylinder the closest point lies on its edge, hence hypot. */
 double cml_convex_distance(const struct cml_convex *convex, const double p[3])
 {
     double d[3];

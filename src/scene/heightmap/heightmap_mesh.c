@@ -235,8 +235,8 @@ static void clear(struct builder *b, double *surface)
     free(b->rim);
 }
 
-/* Makes the mesh of a heightmap. Samples are merged first, and only the merged triangles and their corners
- * are stored. A large map therefore never has all its triangles in memory. */
+/* Samples are merged first, and only the merged triangles and their corners are stored. A large map therefore
+ * never has all its triangles in memory. */
 cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance, enum cml_normals normals,
                               const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
                               struct cml_heightmap_notes *notes, struct cml_error *err)

@@ -138,7 +138,6 @@ static void scale_heights(const struct cml_random_relief *relief, struct cml_hei
     for (size_t i = 0; i < count; i++) map->h[i] -= mean;
 }
 
-/* Makes a random relief: filters noise, takes the real parts as heights, and scales them. */
 cml_status cml_random_relief_make(const struct cml_random_relief *relief, struct cml_heightmap *map,
                                   struct cml_error *err)
 {

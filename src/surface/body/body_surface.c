@@ -189,8 +189,6 @@ static cml_status create_tessellated(const struct cml_scene *scene, const double
     return status;
 }
 
-/* Makes the surfaces of all bodies, as queries search them. tolerance > 0 replaces spheres and cylinders by
- * meshes. Scenes of a sweep share the result, hence the count of users. */
 cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double origin[2],
                                     const double *depths, double tolerance, enum cml_mesh_search search,
                                     struct cml_body_surfaces *surfaces, struct cml_error *err)
@@ -208,7 +206,6 @@ cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double 
     return status;
 }
 
-/* Shares the surfaces of another scene that has the same bodies; they are freed with the last user. */
 void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_body_surfaces *surfaces)
 {
     *surfaces = *from;
@@ -224,15 +221,13 @@ static void free_own(struct cml_body_surfaces *surfaces)
     cml_body_grids_clear(&surfaces->grids);
 }
 
-/* Frees the surfaces of bodies, unless another scene shares them. */
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces)
 {
     if (cml_share_end(surfaces->users)) free_own(surfaces);
     *surfaces = (struct cml_body_surfaces){0};
 }
 
-/* Returns the area of a facet of a body, cm2. A sphere has one facet; a cylinder has three: facet 0 is its
- * side, the others are its ends. */
+/* A sphere has one facet; a cylinder has three: facet 0 is its side, the others are its ends. */
 double cml_body_facet_area(const struct cml_body_surface *surface, const struct cml_scene_body *body,
                            size_t facet)
 {

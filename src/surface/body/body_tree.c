@@ -104,7 +104,6 @@ static cml_status build_all(const struct builder *b, int num_bodies, int num_med
     return CML_OK;
 }
 
-/* Builds a search tree of bodies for every medium, over the bodies that lie directly in that medium. */
 cml_status cml_body_tree_create(const double (*boxes)[2][3], const int *host, int num_bodies, int num_media,
                                 struct cml_body_tree *tree, struct cml_error *err)
 {

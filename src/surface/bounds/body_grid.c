@@ -372,7 +372,6 @@ static cml_status find_media(const struct cml_scene *scene, struct cml_body_grid
     return cml_fail_memory(err, grids->count * (double)sizeof *grids->item, "the bounds of bodies");
 }
 
-/* Lays out the grid of each layer that has bodies, then fills all grids with balls in one array. */
 cml_status cml_body_grids_create(const struct cml_scene *scene, const double origin[2], const double *depths,
                                  struct cml_body_grids *grids, struct cml_error *err)
 {

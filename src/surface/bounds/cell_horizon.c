@@ -181,8 +181,6 @@ static void find_horizons(const struct cml_depth_pyramid *pyramid, const float *
         }
 }
 
-/* Computes for each cell how steeply a ray must go so that it certainly clears the rest of the boundary:
- * seen from below and from above. steepest: greatest slope of the facets over each cell. */
 cml_status cml_find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest, float *below,
                              float *above, struct cml_error *err)
 {

@@ -22,8 +22,6 @@ static const double err_cell = 1e-3;
  * each. */
 static const double err_depth = 1e-5;
 
-/* Returns the number of cells of a level of the map; each level has half as many cells along a side as the
- * one below. */
 size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
 {
     const size_t side = (size_t)(map->size >> level);
@@ -252,8 +250,6 @@ static cml_status find_horizons(struct cml_depth_map *map, const float *steepest
     return cml_find_horizons(&pyramid, steepest, map->horizon[0], map->horizon[1], err);
 }
 
-/* Makes a map of the least and greatest depth of a mesh in square cells, by which most steps see that they
- * stay clear of the mesh. Depths are widened by the rounding of the coordinates. */
 cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map,
                                  struct cml_error *err)
 {
@@ -328,8 +324,6 @@ static cml_status cover_tile(const struct cml_heightmap *tile, const int periods
     return CML_OK;
 }
 
-/* Builds the map of a tile: the depths over one or more periods, then the coarser levels, then the horizons.
- */
 cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_depth_map *map,
                                  struct cml_error *err)
 {
@@ -373,8 +367,7 @@ static void cover_radii(struct cml_depth_map *map, const double *r, const double
     widen_cell(map, cell, 0, last, last);
 }
 
-/* Builds the map of a radial heightfield, with a row of cells from the axis outwards. The last cell extends
- * to infinity. */
+/* The last cell extends to infinity. */
 cml_status cml_depth_map_of_rings(const double *r, const double *z, int n, struct cml_depth_map *map,
                                   struct cml_error *err)
 {

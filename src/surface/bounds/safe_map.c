@@ -216,8 +216,6 @@ static void clear_filling(struct filling *f)
     if (f->tree) cml_boxtree_free(f->tree);
 }
 
-/* Makes a map of how far each point of space is from a mesh, at least, so that short steps need no query.
- * bytes: about how much memory the map may take. */
 cml_status cml_safe_map_create(const struct cml_centred_mesh *centred, double bytes, struct cml_safe_map *map,
                                struct cml_error *err)
 {

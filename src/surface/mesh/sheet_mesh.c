@@ -320,8 +320,6 @@ static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
     return CML_OK;
 }
 
-/* Lays a grid of cells over a mesh that does not overhang, so that a ray need only look at cells that it
- * passes. No cells are made if their lists of facets would be so long that the grid does not pay. */
 cml_status cml_sheet_mesh_find(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid,
                                struct cml_error *err)
 {

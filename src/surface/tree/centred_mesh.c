@@ -65,8 +65,6 @@ static cml_status find_planes(struct cml_centred_mesh *centred, struct cml_error
     return CML_OK;
 }
 
-/* Moves a mesh so that its middle becomes the origin, where coordinates are smallest and lose least in
- * single precision. Takes over the mesh. */
 cml_status cml_centred_mesh_create(struct cml_mesh *mesh, double x0, double y0,
                                    struct cml_centred_mesh *centred, struct cml_error *err)
 {

@@ -174,27 +174,27 @@ static void build(const struct builder *builder, struct node node)
 static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, struct cml_error *err)
 {
     struct cml_boxtree *made = calloc(1, sizeof *made);
-    *tree = made;
+    *tree = NULL;
     if (made) {
         made->n = n;
         made->index = malloc(n * sizeof *made->index);
         made->box = malloc((2 * n - 1) * sizeof *made->box);
         if (boxes) made->least = malloc((2 * n - 1) * sizeof *made->least);
     }
-    if (made && made->index && made->box && (made->least || !boxes)) {
-        for (size_t i = 0; i < n; i++) made->index[i] = (uint32_t)i;
-        return CML_OK;
+    if (!made || !made->index || !made->box || (boxes && !made->least)) {
+        cml_boxtree_free(made);
+        return cml_fail_memory(err, (double)n * 100.0, "the overlap check");
     }
-    cml_boxtree_free(made);
-    *tree = NULL;
-    return cml_fail_memory(err, (double)n * 100.0, "the overlap check");
+    for (size_t i = 0; i < n; i++) made->index[i] = (uint32_t)i;
+    *tree = made;
+    return CML_OK;
 }
 
 /* Triangles are sorted by the sum of their corners: three times the centroid, which gives the same order. */
 cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3], size_t num_triangles,
                               struct cml_boxtree **tree, struct cml_error *err)
 {
-    double(*corner_sum)[3] = malloc(num_triangles * sizeof *corner_sum);
+    CML_FREED double(*corner_sum)[3] = malloc(num_triangles * sizeof *corner_sum);
     if (!corner_sum)
         return cml_fail_memory(err, (double)(num_triangles * sizeof *corner_sum),
                                "the overlap check of a mesh");
@@ -202,13 +202,10 @@ cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triang
         const uint32_t *t = triangle[i];
         for (int k = 0; k < 3; k++) corner_sum[i][k] = vertex[t[0]][k] + vertex[t[1]][k] + vertex[t[2]][k];
     }
-    const cml_status status = allocate(num_triangles, false, tree, err);
-    if (status == CML_OK) {
-        const struct builder builder = {*tree, vertex, triangle, 3, (const double *)corner_sum};
-        build(&builder, root_of(*tree));
-    }
-    free(corner_sum);
-    return status;
+    CML_TRY(allocate(num_triangles, false, tree, err));
+    const struct builder builder = {*tree, vertex, triangle, 3, (const double *)corner_sum};
+    build(&builder, root_of(*tree));
+    return CML_OK;
 }
 
 /* Sorting by all six bounds keeps large boxes out of the cells of small ones. */

@@ -13,23 +13,16 @@ cml_status cml_footprint_create(const struct cml_mesh *mesh, struct cml_footprin
                                 struct cml_error *err)
 {
     const size_t n = mesh->num_border;
+    CML_FREED double(*point)[2] = malloc(n * sizeof *point);
+    CML_FREED struct cml_footprint *made = malloc(sizeof *made);
     *footprint = NULL;
-    struct cml_footprint *made = malloc(sizeof *made);
-    double(*point)[2] = malloc(n * sizeof *point);
-    cml_status status = CML_OK;
-    if (!made || !point) {
-        status = cml_fail_memory(err, 16.0 * (double)n, "the footprint of a mesh");
-    } else {
-        for (size_t i = 0; i < n; i++)
-            for (int k = 0; k < 2; k++) point[i][k] = mesh->vertex[mesh->border[i]][k];
-        status = cml_polygon_rows_build(point, n, &made->rows, err);
-    }
-    free(point);
-    if (status != CML_OK)
-        free(made);
-    else
-        *footprint = made;
-    return status;
+    if (!made || !point) return cml_fail_memory(err, 16.0 * (double)n, "the footprint of a mesh");
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < 2; k++) point[i][k] = mesh->vertex[mesh->border[i]][k];
+    CML_TRY(cml_polygon_rows_build(point, n, &made->rows, err));
+    *footprint = made;
+    made = NULL; /* now owned by the caller */
+    return CML_OK;
 }
 
 /* True if the ray from (x, y) along +x meets the edge. Half open in y, so that a vertex between two edges

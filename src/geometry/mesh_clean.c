@@ -117,15 +117,11 @@ static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
         for (int k = 0; k < 3; k++) mesh->vertex[i][k] += 0.0;
     size_t size = 16;
     while (size < 2 * mesh->num_vertices) size *= 2;
-    uint32_t *table = malloc(size * sizeof *table);
+    CML_FREED uint32_t *table = malloc(size * sizeof *table);
     CML_FREED uint32_t *same = malloc((mesh->num_vertices + 1) * sizeof *same);
-    if (table && same) {
-        memset(table, 0xff, size * sizeof *table);
-        work->notes.welded = find_equal(mesh, table, size - 1, same);
-    }
-    const bool good = table && same;
-    free(table);
-    if (!good) return cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
+    if (!table || !same) return cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
+    memset(table, 0xff, size * sizeof *table);
+    work->notes.welded = find_equal(mesh, table, size - 1, same);
     if (mesh->weld > 0) CML_TRY(join_near(work, same, err));
     for (size_t t = 0; t < mesh->num_triangles; t++)
         for (int k = 0; k < 3; k++) mesh->triangle[t][k] = same[mesh->triangle[t][k]];
@@ -170,7 +166,7 @@ static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *
 static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
-    uint32_t *number = malloc(mesh->num_vertices * sizeof *number);
+    CML_FREED uint32_t *number = malloc(mesh->num_vertices * sizeof *number);
     if (!number) return cml_fail_memory(err, 4.0 * (double)mesh->num_vertices, "the vertices of a mesh");
     memset(number, 0xff, mesh->num_vertices * sizeof *number);
     for (size_t t = 0; t < mesh->num_triangles; t++)
@@ -183,7 +179,6 @@ static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
     }
     for (size_t t = 0; t < mesh->num_triangles; t++)
         for (int k = 0; k < 3; k++) mesh->triangle[t][k] = number[mesh->triangle[t][k]];
-    free(number);
     work->notes.unused = mesh->num_vertices - work->notes.welded - work->notes.joined - used;
     if (used < mesh->num_vertices) { /* an .stl has six times as many vertices as are used */
         double(*fewer)[3] = realloc(mesh->vertex, used * sizeof *fewer);

@@ -83,20 +83,14 @@ cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err
     const struct cml_mesh *mesh = work->mesh;
     const size_t num_edges = 3 * mesh->num_triangles;
     work->opposite = malloc(num_edges * sizeof *work->opposite);
-    struct incident *incidents = malloc(num_edges * sizeof *incidents);
-    size_t *first = calloc(mesh->num_vertices + 1, sizeof *first);
-    cml_status status = CML_OK;
-    if (!work->opposite || !incidents || !first) {
-        status = no_memory(mesh, err);
-    } else {
-        memset(work->opposite, 0xff, num_edges * sizeof *work->opposite);
-        list_incidents(mesh, first, incidents);
-        for (size_t v = 0, begin = 0; v < mesh->num_vertices && status == CML_OK; begin = first[v++])
-            status = pair_incidents(work, incidents + begin, first[v] - begin, err);
-    }
-    free(incidents);
-    free(first);
-    return status;
+    CML_FREED struct incident *incidents = malloc(num_edges * sizeof *incidents);
+    CML_FREED size_t *first = calloc(mesh->num_vertices + 1, sizeof *first);
+    if (!work->opposite || !incidents || !first) return no_memory(mesh, err);
+    memset(work->opposite, 0xff, num_edges * sizeof *work->opposite);
+    list_incidents(mesh, first, incidents);
+    for (size_t v = 0, begin = 0; v < mesh->num_vertices; begin = first[v++])
+        CML_TRY(pair_incidents(work, incidents + begin, first[v] - begin, err));
+    return CML_OK;
 }
 
 enum { KEPT, FLIPPED, UNVISITED };
@@ -200,18 +194,13 @@ cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err)
     struct cml_mesh *mesh = work->mesh;
     const size_t num_triangles = mesh->num_triangles;
     size_t parts = 0;
-    uint32_t second = 0, *queue = malloc(num_triangles * sizeof *queue);
+    uint32_t second = 0;
+    CML_FREED uint32_t *queue = malloc(num_triangles * sizeof *queue);
     work->turned = malloc(num_triangles);
     mesh->part = malloc(num_triangles * sizeof *mesh->part);
-    cml_status status = CML_OK;
-    if (!work->turned || !queue || !mesh->part) {
-        status = no_memory(mesh, err);
-    } else {
-        memset(work->turned, UNVISITED, num_triangles);
-        status = visit_all(work, queue, &parts, &second, err);
-    }
-    free(queue);
-    CML_TRY(status);
+    if (!work->turned || !queue || !mesh->part) return no_memory(mesh, err);
+    memset(work->turned, UNVISITED, num_triangles);
+    CML_TRY(visit_all(work, queue, &parts, &second, err));
     flip_triangles(work);
     if (mesh->closed) return list_parts(mesh, parts, err);
     if (parts > 1) return refuse_parts(work, parts, second, err);
@@ -242,21 +231,19 @@ cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_erro
 {
     const struct cml_mesh *mesh = work->mesh;
     const uint32_t num_corners = (uint32_t)(3 * mesh->num_triangles);
-    uint8_t *marked = calloc(num_corners, 1), *has_fan = calloc(mesh->num_vertices, 1);
-    cml_status status = marked && has_fan ? CML_OK : no_memory(mesh, err);
-    for (uint32_t c = 0; c < num_corners && status == CML_OK; c++) {
+    CML_FREED uint8_t *marked = calloc(num_corners, 1), *has_fan = calloc(mesh->num_vertices, 1);
+    if (!marked || !has_fan) return no_memory(mesh, err);
+    for (uint32_t c = 0; c < num_corners; c++) {
         if (marked[c]) continue;
         const uint32_t vertex = cml_half_edge_from(mesh, c);
         char place[112];
         if (has_fan[vertex])
-            status = cml_mesh_fail(work, cml_mesh_triangle_line(work, c / 3), err,
-                                   "the mesh touches itself at the vertex %s (expected one fan of faces "
-                                   "around every vertex)",
-                                   cml_mesh_place(mesh->vertex[vertex], place));
+            return cml_mesh_fail(work, cml_mesh_triangle_line(work, c / 3), err,
+                                 "the mesh touches itself at the vertex %s (expected one fan of faces "
+                                 "around every vertex)",
+                                 cml_mesh_place(mesh->vertex[vertex], place));
         has_fan[vertex] = 1;
         mark_fan(work->opposite, c, marked);
     }
-    free(marked);
-    free(has_fan);
-    return status;
+    return CML_OK;
 }

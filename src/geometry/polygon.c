@@ -70,17 +70,15 @@ cml_status cml_polygon_rows_build(const double (*point)[2], size_t num_points, s
                                   struct cml_error *err)
 {
     *rows = (struct cml_polygon_rows){.num_points = num_points};
-    cml_status status = CML_OK;
     rows->point = malloc(num_points * sizeof *rows->point);
     if (rows->point) {
         memcpy(rows->point, point, num_points * sizeof *rows->point);
         choose_rows(rows);
         rows->first = calloc(rows->num_rows + 1, sizeof *rows->first);
     }
-    if (!rows->first)
-        status = cml_fail_memory(err, 24.0 * (double)num_points, "the border of a mesh");
-    else
-        status = fill_rows(rows, err);
+    const cml_status status =
+        rows->first ? fill_rows(rows, err)
+                    : cml_fail_memory(err, 24.0 * (double)num_points, "the border of a mesh");
     if (status != CML_OK) cml_polygon_rows_clear(rows);
     return status;
 }
@@ -164,11 +162,10 @@ cml_status cml_polygon_find_crossing(const struct cml_polygon_rows *rows, size_t
     size_t longest = 1;
     for (size_t r = 0; r < rows->num_rows; r++)
         if (rows->first[r + 1] - rows->first[r] > longest) longest = rows->first[r + 1] - rows->first[r];
-    struct span *spans = malloc(longest * sizeof *spans);
+    CML_FREED struct span *spans = malloc(longest * sizeof *spans);
     if (!spans) return cml_fail_memory(err, 24.0 * (double)longest, "the border of a mesh");
     *edge = CML_POLYGON_SIMPLE;
     for (size_t r = 0; r < rows->num_rows && *edge == CML_POLYGON_SIMPLE; r++)
         *edge = sweep_row(rows, r, spans);
-    free(spans);
     return CML_OK;
 }

@@ -3,10 +3,21 @@
  * SPDX-License-Identifier: MIT */
 #include "scene/overlap_radial.h"
 
+#include "base/array.h"
 #include "geometry/vec3.h"
 
 #include <float.h>
 #include <math.h>
+
+void cml_depth_range(const double *height, size_t count, double z, double *top, double *bottom)
+{
+    *top = INFINITY;
+    *bottom = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        *top = fmin(*top, z - height[i]);
+        *bottom = fmax(*bottom, z - height[i]);
+    }
+}
 
 /* Compares the two surfaces over (x, y), where they lie at z = upper and z = lower, and keeps the place if
  * the gap is smaller than before. The rounding error of the gap grows with `size`. */
@@ -62,15 +73,8 @@ static void compare_at_point(const struct comparison *c, double x, double y, dou
 
 int cml_radial_sample_from(const struct cml_radial *radial, double r)
 {
-    int low = 0, high = radial->n;
-    while (low < high) {
-        const int middle = low + (high - low) / 2;
-        if (radial->r[middle] < r)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
+    const int i = (int)cml_last_not_above(radial->r, (size_t)radial->n, r);
+    return radial->r[i] < r ? i + 1 : i;
 }
 
 /* A mesh edge from a to b, seen from above. `along` is its length. The line through the edge passes the axis
@@ -234,11 +238,8 @@ void cml_radial_against_mesh(const struct cml_radial_surface *field, const struc
                              struct cml_closest *closest)
 {
     const struct comparison c = {field->radial, z, field->z, mesh_is_upper, closest};
-    double top = INFINITY, bottom = -INFINITY;
-    for (int i = 0; i < field->radial->n; i++) {
-        top = fmin(top, field->z - field->radial->h[i]);
-        bottom = fmax(bottom, field->z - field->radial->h[i]);
-    }
+    double top, bottom;
+    cml_depth_range(field->radial->h, (size_t)field->radial->n, field->z, &top, &bottom);
     if (footprint) compare_outer_plane(&c, footprint, mesh->z_border);
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const uint32_t *t = mesh->triangle[i];

@@ -15,14 +15,6 @@ const char *cml_phase_name(enum cml_phase_kind kind)
     return names[kind];
 }
 
-/* Rayleigh scattering and tables have no parameters. */
-const char *const *cml_phase_numbers(enum cml_phase_kind kind)
-{
-    static const char *const names[CML_PHASE_KINDS][CML_PHASE_NUMBERS + 1] = {
-        {"g1", "g2", "w"}, {"g", "w"}, {"g", "a"}};
-    return names[kind];
-}
-
 /* ---- tables ---- */
 
 bool cml_phase_scale_table(struct cml_phase *phase)
@@ -206,8 +198,10 @@ bool cml_phase_equal(const struct cml_phase *a, const struct cml_phase *b)
 
 void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums)
 {
+    static const int numbers[CML_PHASE_KINDS] = {
+        [CML_PHASE_HG2] = 3, [CML_PHASE_MHG] = 2, [CML_PHASE_GK] = 2};
     fputs(cml_phase_name(phase->kind), stream);
-    for (int i = 0; cml_phase_numbers(phase->kind)[i]; i++) fprintf(stream, " %.9g", phase->number[i]);
+    for (int i = 0; i < numbers[phase->kind]; i++) fprintf(stream, " %.9g", phase->number[i]);
     if (phase->kind != CML_PHASE_TABLE) return;
     fprintf(stream, " of %d rows", phase->rows);
     if (sums) fprintf(stream, ", crc32 %08x", phase->checksum);

@@ -131,16 +131,6 @@ static cml_status make_sphere(const struct cml_scene_body *body, int n, struct c
     return CML_OK;
 }
 
-/* Finds two unit vectors e1, e2 perpendicular to the axis and to each other. */
-static void find_frame(const double axis[3], double e1[3], double e2[3])
-{
-    const int thin = fabs(axis[0]) < 0.6 ? 0 : 1;
-    const double unit[3] = {thin == 0, thin == 1, 0};
-    cml_vec3_cross(axis, unit, e1);
-    cml_vec3_normalise(e1);
-    cml_vec3_cross(axis, e1, e2);
-}
-
 /* Makes the prism of a cylinder. Vertices: both rims, then the middles of both ends. Triangles: the side,
  * then the ends. */
 static cml_status make_cylinder(const struct cml_scene_body *body, int n, double radius,
@@ -149,7 +139,7 @@ static cml_status make_cylinder(const struct cml_scene_body *body, int n, double
     const struct cml_convex convex = cml_body_convex(body);
     const size_t count = (size_t)n;
     double e1[3], e2[3];
-    find_frame(convex.axis, e1, e2);
+    cml_vec3_frame(convex.axis, e1, e2);
     CML_TRY(cml_mesh_allocate(mesh, 2 * count + 2, 4 * count, "the mesh of a body", err));
     for (size_t i = 0; i < 2 * count; i++) {
         const double t = 2 * CML_PI * (double)(i % count) / n;

@@ -161,11 +161,7 @@ static double farthest_across(const struct cml_convex *outer, const struct cml_c
     along_axis(outer, middle, v);
     const double most = inner->radius + cml_vec3_length(v);
     if (most < outer->radius) return most;
-    const int thin = fabs(inner->axis[0]) < 0.6 ? 0 : 1;
-    const double unit[3] = {thin == 0, thin == 1, 0};
-    cml_vec3_cross(inner->axis, unit, e1);
-    cml_vec3_normalise(e1);
-    cml_vec3_cross(inner->axis, e1, e2);
+    cml_vec3_frame(inner->axis, e1, e2);
     cml_vec3_add_scaled(e1, -cml_vec3_dot(e1, outer->axis), outer->axis, q1);
     cml_vec3_add_scaled(e2, -cml_vec3_dot(e2, outer->axis), outer->axis, q2);
     for (int i = 0; i < places; i++) {

@@ -270,9 +270,9 @@ double cml_light_spread(const struct cml_light *light, double medium_n)
            (t[last + 1] - t[last]) * (intensity[last] - half) / (intensity[last] - intensity[last + 1]);
 }
 
-double cml_outer_depth(const struct cml_boundary *boundary)
+double cml_outer_height(const struct cml_boundary *boundary)
 {
-    if (boundary->form == CML_FORM_RADIAL) return boundary->z - boundary->radial.h[boundary->radial.n - 1];
-    if (boundary->form == CML_FORM_TILE) return boundary->z - boundary->tile_notes.relief.mean;
-    return boundary->z + (boundary->form == CML_FORM_MESH ? boundary->mesh.z_border : 0);
+    if (boundary->form == CML_FORM_RADIAL) return boundary->radial.h[boundary->radial.n - 1];
+    if (boundary->form == CML_FORM_TILE) return boundary->tile_notes.relief.mean;
+    return boundary->form == CML_FORM_MESH ? -boundary->mesh.z_border : 0;
 }

@@ -185,10 +185,9 @@ cml_status cml_find_horizons(const struct cml_depth_pyramid *pyramid, const floa
                              float *above, struct cml_error *err)
 {
     const size_t size = 5 * all_cells(pyramid) * sizeof(float);
-    float *scratch = malloc(size);
+    CML_FREED float *scratch = malloc(size);
     if (!scratch) return cml_fail_memory(err, (double)size, "the bounds of a boundary");
     find_horizons(pyramid, steepest, 1, scratch, below);
     find_horizons(pyramid, steepest, -1, scratch, above);
-    free(scratch);
     return CML_OK;
 }

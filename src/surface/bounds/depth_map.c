@@ -254,18 +254,13 @@ cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_m
                                  struct cml_error *err)
 {
     const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
-    float *steepest = NULL;
+    CML_FREED float *steepest = NULL;
     CML_TRY(allocate_square((double)mesh->num_triangles, mesh->lower[0], mesh->lower[1], width, map, err));
-    cml_status status = allocate_horizons(map, &steepest, err);
-    if (status == CML_OK) {
-        cover_mesh(mesh, map, steepest);
-        finish(map, err_depth * (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] -
-                                 mesh->lower[2]));
-        status = find_horizons(map, steepest, err);
-    }
-    if (status != CML_OK) cml_depth_map_clear(map);
-    free(steepest);
-    return status;
+    CML_TRY(allocate_horizons(map, &steepest, err));
+    cover_mesh(mesh, map, steepest);
+    finish(map, err_depth *
+                    (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] - mesh->lower[2]));
+    return find_horizons(map, steepest, err);
 }
 
 /* ---- tiles ---- */
@@ -312,14 +307,13 @@ static cml_status cover_tile(const struct cml_heightmap *tile, const int periods
 {
     for (int j = -1; j <= periods[1] * tile->ny; j++) {
         const struct cml_tile_cells row = {{-1, j}, {periods[0] * tile->nx + 2, 1}};
-        struct cml_mesh mesh;
+        CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
         CML_TRY(cml_tile_sheet(tile, &row, CML_NORMALS_FACET, &mesh, err));
         for (size_t i = 0; i < mesh.num_triangles; i++) {
             const uint32_t *v = mesh.triangle[i];
             const double *corner[3] = {mesh.vertex[v[0]], mesh.vertex[v[1]], mesh.vertex[v[2]]};
             cover_if_inside(map, corner, steepest);
         }
-        cml_mesh_clear(&mesh);
     }
     return CML_OK;
 }
@@ -329,19 +323,14 @@ cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_de
 {
     const int periods[2] = {periods_along(tile, 0), periods_along(tile, 1)};
     struct cml_relief relief;
-    float *steepest = NULL;
+    CML_FREED float *steepest = NULL;
     cml_heightmap_measure(tile, tile->h, &relief);
     CML_TRY(allocate_period(tile, periods, map, err));
-    cml_status status = allocate_horizons(map, &steepest, err);
-    if (status == CML_OK) status = cover_tile(tile, periods, map, steepest, err);
-    if (status == CML_OK) {
-        const double width = map->size * fmax(map->cell[0], map->cell[1]);
-        finish(map, err_depth * (width + relief.highest - relief.lowest));
-        status = find_horizons(map, steepest, err);
-    }
-    if (status != CML_OK) cml_depth_map_clear(map);
-    free(steepest);
-    return status;
+    CML_TRY(allocate_horizons(map, &steepest, err));
+    CML_TRY(cover_tile(tile, periods, map, steepest, err));
+    const double width = map->size * fmax(map->cell[0], map->cell[1]);
+    finish(map, err_depth * (width + relief.highest - relief.lowest));
+    return find_horizons(map, steepest, err);
 }
 
 /* ---- rings ---- */

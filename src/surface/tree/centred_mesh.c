@@ -79,7 +79,7 @@ cml_status cml_centred_mesh_create(struct cml_mesh *mesh, double x0, double y0,
 void cml_centred_mesh_clear(struct cml_centred_mesh *centred)
 {
     free(centred->plane);
-    if (centred->footprint) cml_footprint_free(centred->footprint);
+    cml_footprint_free(centred->footprint);
     cml_mesh_clear(&centred->mesh);
     *centred = (struct cml_centred_mesh){0};
 }

@@ -370,15 +370,14 @@ static cml_status weigh_plain(const struct cml_scene *scene, const struct cml_me
                               double *importance, double *weight, struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 2;
-    struct cml_medium_def *dark = malloc(count * sizeof *dark);
+    CML_FREED struct cml_medium_def *dark = malloc(count * sizeof *dark);
     if (!dark) return cml_fail_memory(err, (double)(count * sizeof *dark), "layers");
     memcpy(dark, media, count * sizeof *dark);
     for (size_t l = 0; l < count; l++) dark[l].mua *= 2;
-    const cml_status status = cml_importance_of_place(dark, scene->num_layers, seen, windows->reach,
-                                                      windows->depth, RINGS, CELLS, importance, err);
+    CML_TRY(cml_importance_of_place(dark, scene->num_layers, seen, windows->reach, windows->depth, RINGS,
+                                    CELLS, importance, err));
     *weight = fmax(0.008, worth_of_light(scene, media, windows, importance) / windows->worth);
-    free(dark);
-    return status;
+    return CML_OK;
 }
 
 cml_status cml_windows_at(const char *aim, const struct cml_scene *scene,

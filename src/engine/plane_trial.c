@@ -283,12 +283,11 @@ static bool has_bodies_beside(const struct cml_scene *scene, int b)
 static cml_status try_level(const struct search *search, struct verdict *verdict, struct cml_error *err)
 {
     const struct cml_surface_set *ways[2] = {search->curved, &search->level};
+    CML_AT_END(close_trial)
     struct trial trial = {
         .engine = search->engine, .tolerance = search->tolerance, .most_steps = search->most_steps};
-    cml_status status = open_trial(search->scene, &search->options, ways, &trial, err);
-    if (status == CML_OK) status = fly_and_judge(&trial, verdict, err);
-    close_trial(&trial);
-    return status;
+    CML_TRY(open_trial(search->scene, &search->options, ways, &trial, err));
+    return fly_and_judge(&trial, verdict, err);
 }
 
 /* True if the boundary would become a face of a glass plate. As a plane it would make the program count the

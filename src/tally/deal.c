@@ -24,7 +24,7 @@ static int compare_remainders(const void *a, const void *b)
 cml_status cml_deal_numbers(const double *share, int count, uint64_t photons, uint64_t *number,
                             struct cml_error *err)
 {
-    struct remainder *remainder = malloc((size_t)count * sizeof *remainder);
+    CML_FREED struct remainder *remainder = malloc((size_t)count * sizeof *remainder);
     long double sum = 0;
     uint64_t left = photons;
     if (!remainder) return cml_fail_memory(err, count * (double)sizeof *remainder, "the beams");
@@ -37,7 +37,6 @@ cml_status cml_deal_numbers(const double *share, int count, uint64_t photons, ui
     }
     qsort(remainder, (size_t)count, sizeof *remainder, compare_remainders);
     for (int k = 0; left > 0; k = (k + 1) % count, left--) number[remainder[k].beam]++;
-    free(remainder);
     return CML_OK;
 }
 

@@ -35,17 +35,15 @@ static cml_status add_between(struct cml_ranges *ranges, struct cml_range range,
 cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine, struct cml_ranges *others,
                            struct cml_error *err)
 {
-    struct cml_ranges all = *ranges;
+    CML_AT_END(cml_ranges_clear) struct cml_ranges all = *ranges;
     const uint64_t behind = mine.first + mine.count;
-    cml_status status = CML_OK;
     *ranges = (struct cml_ranges){0};
-    for (size_t i = 0; status == CML_OK && i < all.count; i++) {
-        status = add_between(ranges, all.item[i], mine.first, behind, err);
-        if (status == CML_OK) status = add_between(others, all.item[i], 0, mine.first, err);
-        if (status == CML_OK) status = add_between(others, all.item[i], behind, UINT64_MAX, err);
+    for (size_t i = 0; i < all.count; i++) {
+        CML_TRY(add_between(ranges, all.item[i], mine.first, behind, err));
+        CML_TRY(add_between(others, all.item[i], 0, mine.first, err));
+        CML_TRY(add_between(others, all.item[i], behind, UINT64_MAX, err));
     }
-    cml_ranges_clear(&all);
-    return status;
+    return CML_OK;
 }
 
 /* Turns come from the last range, so that no other range has to move. */

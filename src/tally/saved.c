@@ -62,9 +62,7 @@ cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved 
     made->row = calloc(made->capacity + 1, made->words * sizeof *made->row);
     made->key = calloc(made->capacity, sizeof *made->key);
     if (!made->row || !made->key) {
-        free(made->row);
-        free(made->key);
-        free(made);
+        cml_saved_free(made);
         return cml_fail_memory(err, cml_saved_bytes(kind), "saved photons");
     }
     *saved = made;

@@ -102,7 +102,7 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
     const struct cml_opencl_info *info = &flight->device.info;
     const char *extra = scene->build_options ? scene->build_options : "";
     const bool exact = info->exact_division && !scene->loose_division;
-    char *options;
+    CML_FREED char *options = NULL;
     CML_TRY(cml_text_format(
         &options, "the compiler's options", err,
         "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s%s%s %s",
@@ -111,10 +111,8 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
         scene->world->world.setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES",
         scene->world->num_phase_cells ? "" : " -D CML_WITHOUT_PHASES",
         scene->rough ? "" : " -D CML_WITHOUT_ROUGHNESS", extra));
-    const cml_status status =
-        cml_opencl_program(&flight->device, flight->context, options, scene->on_note, &flight->program, err);
-    free(options);
-    return status;
+    return cml_opencl_program(&flight->device, flight->context, options, scene->on_note, &flight->program,
+                              err);
 }
 
 /* Makes a buffer, in place of one that exists, and fills it with `content` if that is not NULL. OpenCL allows
@@ -185,13 +183,11 @@ static cml_status end_packets(struct cml_opencl_flight *flight, struct cml_error
 {
     const size_t count = (size_t)flight->most_items * flight->lanes, bytes = count * CML_DEVICE_PACKET;
     const int fate = CML_FATE_ABSORBED;
-    char *packets = calloc(count, CML_DEVICE_PACKET);
+    CML_FREED char *packets = calloc(count, CML_DEVICE_PACKET);
     if (!packets) return cml_fail_memory(err, (double)bytes, "packets");
     for (size_t i = 0; i < count; i++)
         memcpy(packets + i * CML_DEVICE_PACKET + offsetof(struct cml_packet, fate), &fate, sizeof fate);
-    const cml_status status = create_buffer(flight, CML_BUFFER_PACKETS, bytes, packets, err);
-    free(packets);
-    return status;
+    return create_buffer(flight, CML_BUFFER_PACKETS, bytes, packets, err);
 }
 
 /* Sets all tallies of the device to 0. */

@@ -5,6 +5,7 @@
 #endif
 #include "base/atomic_file.h"
 
+#include "base/array.h"
 #include "base/text.h"
 
 #include <dirent.h>
@@ -30,8 +31,6 @@ static cml_status fail_write(const char *path, const char *reason, struct cml_er
     return cml_fail(err, CML_E_IO, "%s: cannot be written (%s)", path, reason);
 }
 
-/* Refuses to write through a symbolic link of another user, who could thus make this user overwrite own
- * files. */
 cml_status cml_file_check_link(const char *path, struct cml_error *err)
 {
     struct stat about;
@@ -65,7 +64,6 @@ static cml_status make_one(const char *path, struct cml_error *err)
     return cml_fail(err, CML_E_IO, "%.400s: cannot be made (%s; expected a folder)", path, strerror(errno));
 }
 
-/* Creates a folder with all missing folders above it, as `mkdir -p` does. */
 cml_status cml_folder_make(const char *path, struct cml_error *err)
 {
     struct stat about;
@@ -182,7 +180,6 @@ static cml_status create(const char *path, struct cml_file *file, struct cml_err
     return create_temporary(file, err);
 }
 
-/* Opens a new file under a temporary name, which cml_file_commit renames. */
 cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err)
 {
     *file = (struct cml_file){.sum = crc32(0, NULL, 0)};
@@ -203,8 +200,6 @@ static size_t name_length(const char *entry)
     return begin > 1 && begin < end && entry[begin - 1] == '.' ? begin - 1 : 0;
 }
 
-/* Removes files that killed processes left behind. The first `folder` letters of path are the folder to
- * search. `is_ours` decides from the final name and the name of the leftover whether it may go. */
 void cml_file_remove_leftovers(const char *path, size_t folder,
                                bool (*is_ours)(const void *context, const char *name, const char *left),
                                const void *context)
@@ -230,8 +225,6 @@ static bool is_leftover(const void *context, const char *name, const char *left)
     return strcmp(name, file->path) == 0 && strcmp(left, file->temporary) != 0;
 }
 
-/* Opens a file for writing that no other process may write meanwhile: a lock file beside it says so. With
- * the lock held, leftovers of killed writers of this file are removed. */
 cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct cml_error *err)
 {
     char name[PATH_MAX];
@@ -253,7 +246,7 @@ cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct
 /* Files of this thread that are committed but not yet synced. */
 static _Thread_local struct {
     bool on;
-    size_t count, capacity;
+    size_t count;
     char **path; /* [count] final names of the files */
 } deferred;
 
@@ -265,13 +258,9 @@ void cml_file_defer_sync(bool on)
 /* Adds a file to those that are forced to disk later, all together. Returns false if memory runs out. */
 static bool defer(const char *path)
 {
-    if (deferred.count == deferred.capacity) {
-        const size_t capacity = deferred.capacity ? 2 * deferred.capacity : 64;
-        char **larger = realloc(deferred.path, capacity * sizeof *larger);
-        if (!larger) return false;
-        deferred.path = larger;
-        deferred.capacity = capacity;
-    }
+    struct cml_error ignored;
+    if (cml_array_grow(&deferred.path, deferred.count, sizeof *deferred.path, "names", &ignored) != CML_OK)
+        return false;
     deferred.path[deferred.count] = strdup(path);
     return deferred.path[deferred.count] && ++deferred.count;
 }
@@ -319,8 +308,7 @@ static void keep_reason(const char *path, int reason, cml_status *status, struct
     if (reason != 0 && *status == CML_OK) *status = fail_write(path, strerror(reason), err);
 }
 
-/* Forces all files whose syncing was deferred to disk, and each of their folders once. Neighbours in the
- * list usually lie in one folder. Returns the first error. */
+/* Neighbours in the list usually lie in one folder, which is then synced once. */
 cml_status cml_file_sync_deferred(struct cml_error *err)
 {
     cml_status status = CML_OK;
@@ -332,7 +320,7 @@ cml_status cml_file_sync_deferred(struct cml_error *err)
     for (size_t i = 0; i < deferred.count; i++) free(path[i]);
     free(path);
     deferred.path = NULL;
-    deferred.count = deferred.capacity = 0;
+    deferred.count = 0;
     return status;
 }
 
@@ -389,8 +377,6 @@ static int take_place(struct cml_file *file)
     return defer(file->path) ? 0 : sync_file(file->path);
 }
 
-/* Ends a file that was written under a temporary name and gives it its own name. If any step fails, the
- * temporary file is removed and the old file stays. */
 cml_status cml_file_commit(struct cml_file *file, struct cml_error *err)
 {
     int reason = finish_stream(file);
@@ -401,8 +387,6 @@ cml_status cml_file_commit(struct cml_file *file, struct cml_error *err)
     return status;
 }
 
-/* Gives up a file: closes the stream, removes the temporary file and releases the lock. The file that
- * already bears the name stays. Harmless after cml_file_commit. */
 void cml_file_abort(struct cml_file *file)
 {
     if (file->stream) fclose(file->stream);

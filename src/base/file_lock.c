@@ -72,8 +72,6 @@ static cml_status open_locked(const char *path, int *file, struct cml_error *err
     }
 }
 
-/* Creates and locks the file `path`, so that no other process can take this lock. Fails at once if another
- * process holds it. */
 cml_status cml_file_lock_take(const char *path, struct cml_file_lock *lock, struct cml_error *err)
 {
     *lock = (struct cml_file_lock){.file = -1};
@@ -85,7 +83,6 @@ cml_status cml_file_lock_take(const char *path, struct cml_file_lock *lock, stru
     return status;
 }
 
-/* Removes and unlocks a lock file. Does nothing if no lock is held. */
 void cml_file_lock_release(struct cml_file_lock *lock)
 {
     if (!lock->path) return;

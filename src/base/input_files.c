@@ -110,7 +110,6 @@ cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *
     return CML_OK;
 }
 
-/* Frees all recorded input files and leaves an empty list. */
 void cml_inputs_clear(struct cml_inputs *inputs)
 {
     for (size_t i = 0; i < inputs->count; i++) {

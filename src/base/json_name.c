@@ -28,7 +28,6 @@ json_t *cml_json_real(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-/* Prints a JSON object on one line and frees it. NULL stands for an object that could not be allocated. */
 cml_status cml_json_print(FILE *stream, json_t *object, struct cml_error *err)
 {
     char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;

@@ -70,7 +70,6 @@ static void print(FILE *stream, const char *text, const char *as_they_are, bool 
     }
 }
 
-/* Prints a line with control characters escaped. */
 void cml_print_line(FILE *stream, const char *text)
 {
     print(stream, text, "", false);

@@ -13,15 +13,10 @@ const struct cml_setting *cml_settings_find(const struct cml_settings *settings,
     return NULL;
 }
 
-/* Makes the error message of a setting with a bad value. A setting from a table names the column, too; a
- * setting from --set has column 0. */
 cml_status cml_setting_fail(const struct cml_setting *setting, const char *expected, struct cml_error *err)
 {
-    char field[CML_SETTING_NAME + 32];
-    if (setting->column > 0)
-        snprintf(field, sizeof field, "column %d, %s", setting->column, setting->name);
-    else
-        snprintf(field, sizeof field, "%s", setting->name);
+    const char *field =
+        setting->column > 0 ? CML_TEXT("column %d, %s", setting->column, setting->name) : setting->name;
     return cml_fail_field(err, setting->source, setting->line, field, setting->value, expected);
 }
 
@@ -30,23 +25,16 @@ cml_status cml_setting_fail(const struct cml_setting *setting, const char *expec
 cml_status cml_settings_copy(struct cml_settings *settings, const struct cml_setting *setting,
                              struct cml_error *err)
 {
-    char expected[160];
     const struct cml_setting *same = cml_settings_find(settings, setting->name);
-    if (same) {
-        snprintf(expected, sizeof expected, "one value, but %.80s has set it to %.40s", same->source,
-                 same->value);
-        return cml_setting_fail(setting, expected, err);
-    }
-    if (settings->count == CML_MOST_SETTINGS) {
-        snprintf(expected, sizeof expected, "at most %d values", CML_MOST_SETTINGS);
-        return cml_setting_fail(setting, expected, err);
-    }
+    if (same)
+        return cml_setting_fail(
+            setting, CML_TEXT("one value, but %.80s has set it to %.40s", same->source, same->value), err);
+    if (settings->count == CML_MOST_SETTINGS)
+        return cml_setting_fail(setting, CML_TEXT("at most %d values", CML_MOST_SETTINGS), err);
     settings->item[settings->count++] = *setting;
     return CML_OK;
 }
 
-/* Adds the setting that the text NAME=VALUE of --set describes. Refuses an empty or too long name and an
- * empty value. */
 cml_status cml_settings_add(struct cml_settings *settings, const char *text, struct cml_error *err)
 {
     struct cml_setting setting = {.source = "--set"};
@@ -58,7 +46,6 @@ cml_status cml_settings_add(struct cml_settings *settings, const char *text, str
     return cml_settings_copy(settings, &setting, err);
 }
 
-/* Writes all settings as lines "NAME = VALUE" into a new string *text. No settings give NULL. */
 cml_status cml_settings_text(const struct cml_settings *settings, char **text, struct cml_error *err)
 {
     size_t size = 0;

@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-/* Returns how many standard deviations of a normal distribution are as improbable as t of Student's
- * distribution with `freedom` degrees of freedom (Wallace's approximation, 1959). */
 double cml_normal_of_student(double t, double freedom)
 {
     if (!(freedom < INFINITY) || !(fabs(t) < INFINITY)) return t;

@@ -10,8 +10,6 @@
  * reason last. */
 #define FIRST_PART 400
 
-/* Writes an error message as printf does, and returns `status`. A message too long for err->text keeps its
- * first FIRST_PART bytes and its end. */
 cml_status cml_fail(struct cml_error *err, cml_status status, const char *format, ...)
 {
     /* The whole message, before its middle is cut out. There is room for two paths. The array is static,
@@ -39,8 +37,6 @@ static bool takes_commas(const char *expected)
     return comma != NULL;
 }
 
-/* Guesses why a number was not read, and returns a hint for the end of the message, or "". The hint tells of
- * a comma or semicolon that stands where a decimal point or nothing belongs. */
 const char *cml_number_hint(const char *value, const char *expected)
 {
     const size_t whole = strspn(value, "+-0123456789.eE");
@@ -52,8 +48,6 @@ const char *cml_number_hint(const char *value, const char *expected)
                                                                   : ", with a decimal point";
 }
 
-/* Makes the usual error message of bad input: file, line if line > 0, field, value and what was expected. A
- * missing or empty value is reported as missing. */
 cml_status cml_fail_field(struct cml_error *err, const char *file, int line, const char *field,
                           const char *value, const char *expected)
 {
@@ -63,6 +57,13 @@ cml_status cml_fail_field(struct cml_error *err, const char *file, int line, con
         return cml_fail(err, CML_E_INPUT, "%s%s: %s is missing (expected %s)", file, where, field, expected);
     return cml_fail(err, CML_E_INPUT, "%s%s: %s = %.80s (expected %s%s)", file, where, field, value, expected,
                     cml_number_hint(value, expected));
+}
+
+cml_status cml_zeros(void *array, size_t count, size_t size, const char *what, struct cml_error *err)
+{
+    void *const made = calloc(count ? count : 1, size);
+    memcpy(array, &made, sizeof made);
+    return made ? CML_OK : cml_fail_memory(err, (double)count * (double)size, what);
 }
 
 cml_status cml_fail_memory(struct cml_error *err, double bytes, const char *what)

@@ -46,6 +46,12 @@ static inline void cml_free_owned(void *variable)
     free(owned);
 }
 
+/* Makes an array of `count` elements of `size` bytes, all zero. `array` is the address of the pointer to it,
+ * for the caller to free. count may be 0. CML_E_INPUT if memory for `what` runs out; the pointer is NULL
+ * then. */
+CML_NODISCARD cml_status cml_zeros(void *array, size_t count, size_t size, const char *what,
+                                   struct cml_error *err);
+
 /* Writes the message to `err` and returns `status`. A message longer than err->text loses its middle. */
 CML_NODISCARD CML_PRINTF(3, 4) cml_status
     cml_fail(struct cml_error *err, cml_status status, const char *format, ...);

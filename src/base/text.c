@@ -30,10 +30,8 @@ static cml_status fail_reading(const char *path, const char *reason, const char 
 static cml_status fail_large(const char *path, const char *more, unsigned long long size, size_t most,
                              struct cml_error *err)
 {
-    char reason[60], expected[60];
-    snprintf(reason, sizeof reason, "it has %s%llu bytes", more, size);
-    snprintf(expected, sizeof expected, "a table of at most %zu bytes", most);
-    return fail_reading(cml_text_name(path), reason, expected, err);
+    return fail_reading(cml_text_name(path), CML_TEXT("it has %s%llu bytes", more, size),
+                        CML_TEXT("a table of at most %zu bytes", most), err);
 }
 
 /* Refuses a regular file of more than `most` bytes before it is read. */
@@ -190,8 +188,6 @@ char *cml_text_next(struct cml_text *text)
     return line;
 }
 
-/* Cuts the next word off a text: ends it with a NUL, moves *cursor behind it and returns it; NULL at the
- * end. A word may be in quotation marks, which are taken off, or be key="value with blanks". */
 char *cml_text_word(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, blanks);
@@ -207,6 +203,17 @@ char *cml_text_word(char **cursor)
     *cursor = *end ? end + 1 : end;
     *end = '\0';
     return close ? word + 1 : word;
+}
+
+int cml_word_index(const char *words, const char *word)
+{
+    const size_t length = strlen(word);
+    for (int i = 0; *words; i++) {
+        const size_t own = strcspn(words, " ");
+        if (own == length && memcmp(words, word, own) == 0) return i;
+        words += own + strspn(words + own, " ");
+    }
+    return -1;
 }
 
 /* Parses a decimal number; false: it is none. The set of characters excludes hexadecimal numbers, nan and
@@ -233,8 +240,6 @@ bool cml_parse_count(const char *word, uint64_t *value)
     return true;
 }
 
-/* Reads a whole number strictly: digits with a sign, nothing else. Returns false if the word is anything
- * else or the number does not fit an int. */
 bool cml_parse_int(const char *word, int *value)
 {
     if (word[strspn(word, "+-0123456789")] != '\0') return false;
@@ -252,7 +257,6 @@ cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err)
     return *copy ? CML_OK : cml_fail_memory(err, (double)strlen(text), "a name");
 }
 
-/* Like vasprintf: prints into a new string *text. `what` names the text in the message if memory is short. */
 cml_status cml_text_format(char **text, const char *what, struct cml_error *err, const char *format, ...)
 {
     va_list values;
@@ -264,8 +268,15 @@ cml_status cml_text_format(char **text, const char *what, struct cml_error *err,
     return cml_fail_memory(err, 0, what);
 }
 
-/* Closes a stream of open_memstream. On any failure, frees the text, sets it to NULL and reports a lack of
- * memory. `out` may be NULL if the stream could not be opened. */
+const char *cml_text_short(char text[CML_TEXT_SIZE], const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text, CML_TEXT_SIZE, format, values);
+    va_end(values);
+    return text;
+}
+
 cml_status cml_text_end(FILE *out, char **text, const size_t *size, const char *what, struct cml_error *err)
 {
     const bool failed = out && ferror(out);
@@ -275,7 +286,6 @@ cml_status cml_text_end(FILE *out, char **text, const size_t *size, const char *
     return cml_fail_memory(err, (double)*size, what);
 }
 
-/* Prints a text of several lines, each behind a prefix such as "# ". */
 void cml_text_print(FILE *out, const char *prefix, const char *text)
 {
     while (text && *text) {
@@ -325,9 +335,6 @@ static size_t distance(const char *a, size_t a_length, const char *b, size_t b_l
     return row[b_length];
 }
 
-/* Considers a known name as the one that the user meant by a mistyped word. Keeps the name with the fewest
- * changed letters, and counts the names that begin with the word. Words above LONGEST letters are not
- * guessed. */
 void cml_guess_offer(struct cml_guess *guess, const char *name)
 {
     const size_t length = strlen(name);
@@ -342,8 +349,6 @@ void cml_guess_offer(struct cml_guess *guess, const char *name)
     guess->distance = d;
 }
 
-/* Returns the name that the user probably meant, or NULL: the only name that begins with the word, or the
- * nearest one if at most two letters differ. */
 const char *cml_guess_best(const struct cml_guess *guess)
 {
     if (guess->completions == 1) return guess->complete;

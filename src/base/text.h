@@ -69,6 +69,9 @@ char *cml_text_next(struct cml_text *text);
  * it. A word key="..." also runs to the closing '"', and keeps both quotes. */
 char *cml_text_word(char **cursor);
 
+/* Returns the index of a word among words with blanks between them; -1: it is none of them. */
+int cml_word_index(const char *words, const char *word);
+
 /* Parses a word that is one number as a whole, in decimal or exponent form: sets *value and returns true.
  * Returns false for anything else, for hexadecimal numbers, nan and inf, and on overflow. */
 bool cml_parse_double(const char *word, double *value);
@@ -88,6 +91,12 @@ CML_NODISCARD cml_status cml_text_copy(const char *text, char **copy, struct cml
  * the message. */
 CML_NODISCARD CML_PRINTF(4, 5) cml_status
     cml_text_format(char **text, const char *what, struct cml_error *err, const char *format, ...);
+
+/* Prints a short text for one argument of a call, as in CML_TEXT("layer %d", l). The text lives as long as
+ * the block around the call. Bytes beyond CML_TEXT_SIZE are cut off. */
+#define CML_TEXT_SIZE 400
+#define CML_TEXT(...) cml_text_short((char[CML_TEXT_SIZE]){""}, __VA_ARGS__)
+CML_PRINTF(2, 3) const char *cml_text_short(char text[CML_TEXT_SIZE], const char *format, ...);
 
 /* Closes a stream of open_memstream, which has set *text and *size. `out` may be NULL if open_memstream
  * failed. Fails only if memory runs out, and then sets *text to NULL. */

@@ -4,6 +4,7 @@
 
 #include "base/atomic_file.h"
 #include "base/json_name.h"
+#include "base/text.h"
 #include "base/version.h"
 #include "result/quantity.h"
 #include "run/cluster/cluster.h"
@@ -106,10 +107,9 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
         if (!has_total(setup, t)) continue;
         const char *name = cml_quantities[cml_quantity_of_total(t)].name;
         const struct cml_check_total *total = &pair->total[t];
-        char error[32];
-        snprintf(error, sizeof error, "%s_se", name);
         json_object_set_new(side, name, cml_json_real(cml_result_total(sums, (enum cml_total)t)));
-        json_object_set_new(side, error, cml_json_real(cml_result_error(sums, (enum cml_total)t)));
+        json_object_set_new(side, CML_TEXT("%s_se", name),
+                            cml_json_real(cml_result_error(sums, (enum cml_total)t)));
         json_object_set_new(differences, name,
                             json_pack("{s:o, s:o, s:o}", "mean", cml_json_real(total->mean), "error",
                                       cml_json_real(total->error), "z", cml_json_real(total->z)));
@@ -166,7 +166,7 @@ static cml_status check_and_dump(const struct cml_options *options, struct cml_c
 {
     struct cml_file file = {0};
     struct dump dump = {NULL, setup};
-    struct cml_check_result result;
+    CML_AT_END(cml_check_clear) struct cml_check_result result = {0};
     if (options->dump) {
         CML_TRY(cml_file_create_alone(options->dump, &file, err));
         dump.stream = file.stream;
@@ -184,9 +184,7 @@ static cml_status check_and_dump(const struct cml_options *options, struct cml_c
         status = print_json(setup, &result, options->surface.tolerance, err);
     else if (!options->quiet && !options->json)
         print_all(setup, &result, options->surface.tolerance);
-    if (status == CML_OK) status = verdict(setup, &result, err);
-    cml_check_clear(&result);
-    return status;
+    return status == CML_OK ? verdict(setup, &result, err) : status;
 }
 
 /* True if any boundary or body is represented by this kind of surface. */

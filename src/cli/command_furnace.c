@@ -179,8 +179,8 @@ static cml_status light_scene(const struct cml_scene *scene, struct furnace *f, 
     double lift = 0;
     CML_TRY(check_media(scene, err));
     CML_TRY(choose_area(scene, f, &lift, err));
-    struct cml_medium_def *own = malloc(media * sizeof *own);
-    if (!own) return cml_fail_memory(err, (double)(media * sizeof *own), "media");
+    struct cml_medium_def *own;
+    CML_TRY(cml_zeros(&own, media, sizeof *own, "media", err));
     memcpy(own, scene->media, media * sizeof *own);
     for (size_t m = 0; m < media; m++) own[m].mua = TRACER * own[m].mus;
     f->scene = *scene;
@@ -300,13 +300,12 @@ static void print_all(struct furnace *f, uint64_t photons)
  * standard errors. null: the place was not tested. */
 static json_t *place_json(const struct place *place)
 {
-    json_t *object = json_pack("{s:s}", "name", place->name);
-    json_object_set_new(object, "volume", place->volume > 0 ? json_real(place->volume) : json_null());
-    json_object_set_new(object, "ratio", place->untested ? json_null() : json_real(place->ratio));
-    json_object_set_new(object, "error", place->untested ? json_null() : json_real(place->error));
-    json_object_set_new(object, "z", place->untested ? json_null() : json_real(place->z));
-    json_object_set_new(object, "untested", place->untested ? json_string(place->untested) : json_null());
-    return object;
+    const bool tested = !place->untested;
+    return json_pack("{s:s, s:o, s:o, s:o, s:o, s:s?}", "name", place->name, "volume",
+                     cml_json_real(place->volume > 0 ? place->volume : NAN), "ratio",
+                     cml_json_real(tested ? place->ratio : NAN), "error",
+                     cml_json_real(tested ? place->error : NAN), "z", cml_json_real(tested ? place->z : NAN),
+                     "untested", place->untested);
 }
 
 /* Prints the result of `furnace` as JSON. p: probability that even light deviates this much by chance. */
@@ -344,8 +343,7 @@ static cml_status publish(const struct cml_options *options, struct furnace *f, 
 static cml_status name_places(struct furnace *f, struct cml_error *err)
 {
     f->num_places = 1 + f->scene.num_layers + f->scene.num_bodies;
-    f->place = calloc((size_t)f->num_places, sizeof *f->place);
-    if (!f->place) return cml_fail_memory(err, f->num_places * (double)sizeof *f->place, "places");
+    CML_TRY(cml_zeros(&f->place, (size_t)f->num_places, sizeof *f->place, "places", err));
     strcpy(f->place[0].name, "below");
     for (int i = 1; i < f->num_places; i++) {
         const bool body = i > f->scene.num_layers;

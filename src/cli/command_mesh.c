@@ -3,6 +3,7 @@
 #include "cli/command.h"
 
 #include "base/atomic_file.h"
+#include "base/text.h"
 #include "flights/before.h"
 #include "input/mesh/gsf.h"
 #include "input/mesh/obj.h"
@@ -16,9 +17,8 @@
 static cml_status write_relief(const struct cml_options *options, const struct cml_scene *scene, int b,
                                struct cml_error *err)
 {
-    char name[4096];
-    CML_FREED char *path = NULL;
-    snprintf(name, sizeof name, "%.4000s.boundary%d.gsf", scene->output, b);
+    CML_FREED char *name = NULL, *path = NULL;
+    CML_TRY(cml_text_format(&name, "a name", err, "%s.boundary%d.gsf", scene->output, b));
     CML_TRY(cml_output_path(options, name, &path, err));
     CML_TRY(cml_gsf_write(path, &scene->boundaries[b].tile, err));
     printf("boundary %d: one period as heights -> %s\n", b, path);
@@ -37,13 +37,13 @@ static cml_status write_boundary(const struct cml_options *options, const struct
         printf("boundary %d: plane z = %g cm, no file\n", b, boundary->z);
         return CML_OK;
     }
-    char name[4096], comment[256];
-    CML_FREED char *path = NULL;
-    snprintf(name, sizeof name, "%.4000s.boundary%d.obj", scene->output, b);
-    snprintf(comment, sizeof comment, "boundary %d of %.150s, cm, heights up, nominal depth %.17g cm", b,
-             scene->output, boundary->z);
+    CML_FREED char *name = NULL, *path = NULL;
+    CML_TRY(cml_text_format(&name, "a name", err, "%s.boundary%d.obj", scene->output, b));
     CML_TRY(cml_output_path(options, name, &path, err));
-    CML_TRY(cml_obj_write(path, &mesh, comment, err));
+    CML_TRY(cml_obj_write(path, &mesh,
+                          CML_TEXT("boundary %d of %.150s, cm, heights up, nominal depth %.17g cm", b,
+                                   scene->output, boundary->z),
+                          err));
     printf("boundary %d: %zu triangles -> %s\n", b, mesh.num_triangles, path);
     return boundary->tile_notes.drawn.rms > 0 ? write_relief(options, scene, b, err) : CML_OK;
 }
@@ -55,14 +55,14 @@ static cml_status write_scene_body(const struct cml_options *options, const stru
     const struct cml_scene_body *body = &scene->bodies[k];
     const double tolerance = cml_choice_tessellation(&options->surface).tolerance;
     CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
-    char name[4096], comment[256];
-    CML_FREED char *path = NULL;
+    CML_FREED char *name = NULL, *path = NULL;
     CML_TRY(cml_body_mesh(body, cml_body_segments(body->form, tolerance), false, &mesh, err));
-    snprintf(name, sizeof name, "%.4000s.body%d.obj", scene->output, k + 1);
-    snprintf(comment, sizeof comment, "body %d of %.150s, a %s, cm, heights up from z = 0", k + 1,
-             scene->output, cml_body_form_name(body->form));
+    CML_TRY(cml_text_format(&name, "a name", err, "%s.body%d.obj", scene->output, k + 1));
     CML_TRY(cml_output_path(options, name, &path, err));
-    CML_TRY(cml_obj_write(path, &mesh, comment, err));
+    CML_TRY(cml_obj_write(path, &mesh,
+                          CML_TEXT("body %d of %.150s, a %s, cm, heights up from z = 0", k + 1, scene->output,
+                                   cml_body_form_name(body->form)),
+                          err));
     printf("body %d: %zu triangles -> %s\n", k + 1, mesh.num_triangles, path);
     return CML_OK;
 }

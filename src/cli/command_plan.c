@@ -431,9 +431,9 @@ static cml_status aim(const struct cml_scene *scene, const struct cml_surface_se
                       struct cml_aim *to, struct cml_error *err)
 {
     if (cml_surfaces_are_smooth_planes(surfaces)) return CML_OK;
-    const cml_status status = cml_aim_create("Tt,Tt_r", scene, surfaces, to, err);
+    const cml_status status = cml_aim_create("Tt,Tt_r", scene, surfaces, true, to, err);
     if (status == CML_OK || cml_aim_level_of(scene, surfaces).layer == 0) return CML_OK;
-    return cml_aim_create("Tt", scene, surfaces, to, err) == CML_E_INPUT ? CML_E_INPUT : CML_OK;
+    return cml_aim_create("Tt", scene, surfaces, true, to, err) == CML_E_INPUT ? CML_E_INPUT : CML_OK;
 }
 
 /* Computes the weight windows that --aim would use for each detector, because the plan tells what they gain.
@@ -444,7 +444,7 @@ static void aim_at_detectors(struct plan *plan, const struct cml_surface_set *su
     for (int k = 0; k < scene->num_detectors && k < MOST_DETECTORS; k++) {
         struct cml_error why;
         struct cml_aim to;
-        if (cml_aim_create(scene->detectors[k].name, scene, surfaces, &to, &why) != CML_OK) {
+        if (cml_aim_create(scene->detectors[k].name, scene, surfaces, true, &to, &why) != CML_OK) {
             if (!plan->unaimed.text[0]) plan->unaimed = why;
             continue;
         }

@@ -11,7 +11,6 @@
 #include "run/identity.h"
 #include "run/join.h"
 #include "run/stop.h"
-#include "simulation/beam_notes.h"
 #include "simulation/simulation.h"
 
 #include <inttypes.h>
@@ -28,24 +27,16 @@ struct session {
     struct cml_outputs outputs; /* claimed files of all runs, on rank 0 only */
 };
 
-/* Checks all runs of a file before the first photon flies: memory, starts of beams, --error-of, --aim, and
- * outputs that can be written. Loops from 1: the first run is prepared right after this, and then refuses
- * the same faults before its first photon. */
+/* Checks all runs of a file, and that outputs can be written, before the first photon flies. Loops from 1:
+ * the first run is prepared right after this, and then refuses the same faults before its first photon. */
 static cml_status check_runs(struct session *session, const struct cml_inputs *inputs, struct cml_error *err)
 {
     const struct cml_scene_list *list = session->list;
     cml_status status = CML_OK;
-    for (int i = 0; status == CML_OK && i < list->count; i++)
-        status = cml_check_memory(session->options, &list->scenes[i], NULL, err);
     for (int i = 1; status == CML_OK && i < list->count; i++)
-        status = cml_check_starts(&list->scenes[i], &session->options->surface, err);
-    for (int i = 1, of; status == CML_OK && i < list->count; i++)
-        status = cml_find_error_of(session->options, &list->scenes[i], &of, err);
-    for (int i = 1; status == CML_OK && i < list->count; i++)
-        status = cml_aim_check(session->options, &list->scenes[i], NULL, err);
+        status = cml_simulation_check(session->options, &list->scenes[i], NULL, err);
     if (status == CML_OK && cml_cluster_rank() == 0)
-        status = cml_outputs_claim(session->options, list, list->count, inputs, cml_show_note,
-                                   &session->outputs, err);
+        status = cml_outputs_claim(session->options, list, list->count, inputs, &session->outputs, err);
     return cml_cluster_agree(status, err);
 }
 
@@ -54,10 +45,9 @@ static void remove_checkpoints(const struct session *session)
 {
     struct cml_error ignored;
     for (int i = 0; cml_cluster_rank() == 0 && i < session->list->count; i++) {
-        char *path = NULL;
+        CML_FREED char *path = NULL;
         if (cml_run_checkpoint(session->options, &session->list->scenes[i], &path, &ignored) == CML_OK)
             cml_checkpoint_remove(path);
-        free(path);
     }
 }
 

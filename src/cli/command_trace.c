@@ -50,17 +50,15 @@ static void print_event(void *context, const struct cml_trace_event *event)
 static cml_status note_beyond(const struct cml_scene *scene, uint64_t photon, struct cml_error *err)
 {
     CML_AT_END(cml_deal_clear) struct cml_deal deal = {0};
-    char text[512], which[80];
     CML_TRY(cml_deal_create(scene->shares, scene->num_beams, &deal, err));
     CML_TRY(cml_deal_round(&deal, 0, scene->photons, err));
-    if (scene->num_beams > 1)
-        snprintf(which, sizeof which, "%llu of %d beams, those of beam k from (k - 1) 2^48 on",
-                 (unsigned long long)scene->photons, scene->num_beams);
-    else
-        snprintf(which, sizeof which, "0 to %llu", (unsigned long long)scene->photons - 1);
-    snprintf(text, sizeof text, "photon %llu is not among those of %.300s (%s, unless --photons says more)",
-             (unsigned long long)photon, scene->output, which);
-    if (!cml_deal_has(&deal, photon)) cml_show_note(NULL, text);
+    if (cml_deal_has(&deal, photon)) return CML_OK;
+    const unsigned long long photons = scene->photons;
+    cml_note("photon %llu is not among those of %.300s (%s, unless --photons says more)",
+             (unsigned long long)photon, scene->output,
+             scene->num_beams == 1 ? CML_TEXT("0 to %llu", photons - 1)
+                                   : CML_TEXT("%llu of %d beams, those of beam k from (k - 1) 2^48 on",
+                                              photons, scene->num_beams));
     return CML_OK;
 }
 
@@ -99,7 +97,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
 static cml_status trace_scene(const struct cml_options *options, const struct cml_scene *scene,
                               uint64_t photon, struct cml_error *err)
 {
-    struct cml_surface_set surfaces;
+    CML_AT_END(cml_surfaces_free) struct cml_surface_set surfaces = {0};
     struct cml_engine_options engine_options = options->engine_options;
     void *engine = NULL;
     engine_options.run = (uint32_t)options->run - 1;
@@ -107,7 +105,6 @@ static cml_status trace_scene(const struct cml_options *options, const struct cm
     cml_status status = options->engine->open(scene, &surfaces, &engine_options, &engine, err);
     if (status == CML_OK) status = trace(options, scene, engine, photon, err);
     options->engine->close(engine);
-    cml_surfaces_free(&surfaces);
     return status;
 }
 

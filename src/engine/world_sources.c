@@ -459,11 +459,14 @@ static cml_status check_stops(const struct cml_scene *scene, const struct cml_wo
                               struct cml_error *err)
 {
     for (int k = 0; k < scene->num_beams; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        const int number = cml_contact_at(world, (real)beam->x, (real)beam->y);
         int passes;
         (void)cml_stopped_share(world, k, &passes);
-        if (!passes)
+        if (!passes) /* the default pencil has no line */
             return cml_fail_field(
-                err, scene->file, scene->beams[k].line, "beam", "nothing of it passes boundary 0",
+                err, scene->file, beam->line || number == 0 ? beam->line : scene->contacts[number - 1].line,
+                "beam", "nothing of it passes boundary 0",
                 "light that the open plane lets in; light of a fibre starts in its port: write "
                 "beam port NAME");
     }

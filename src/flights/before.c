@@ -48,14 +48,14 @@ static uint64_t photons_of(const char *path)
 }
 
 cml_status cml_before_keep_better(const struct cml_options *options, const char *path, uint64_t photons,
-                                  uint64_t *found, struct cml_error *err)
+                                  struct cml_error *err)
 {
-    *found = photons_of(path);
-    if (!options->resume || options->replace || *found <= photons) return CML_OK;
+    const uint64_t found = photons_of(path);
+    if (!options->resume || options->replace || found <= photons) return CML_OK;
     return cml_fail(err, CML_E_INPUT,
                     "--resume: %.400s of %g photons is of another run, and would be replaced by %g photons "
                     "(expected --photons of as many, or --replace)",
-                    path, (double)*found, (double)photons);
+                    path, (double)found, (double)photons);
 }
 
 /* State of a search for complete result files. identity: identity of the run, or of the run that it extends.
@@ -175,11 +175,10 @@ static cml_status keep_checkpoint(const char *path, struct cml_error *err)
 static cml_status keep_better(const struct cml_options *options, const struct cml_run_setup *setup,
                               struct cml_error *err)
 {
-    uint64_t found;
     CML_FREED char *path = NULL;
     if (setup->checkpoint && cml_has_checkpoint(setup->checkpoint)) return CML_OK;
     CML_TRY(cml_output_path(options, setup->scene->output, &path, err));
-    return cml_before_keep_better(options, path, setup->photons, &found, err);
+    return cml_before_keep_better(options, path, setup->photons, err);
 }
 
 cml_status cml_before_look(const struct cml_options *options, const struct cml_run_setup *setup, int row,
@@ -219,70 +218,46 @@ void cml_before_clear(struct cml_before *before)
  * sweep, most of which may not have begun. */
 static void note_no_checkpoint(const char *path, const struct cml_before *before)
 {
-    char why[512] = "its files hold less than --json or --keep ask for", text[1200];
+    const char *why = !before->there ? "none of its files is there"
+                      : before->gone ? CML_TEXT("%.360s %s", before->gone, before->how)
+                                     : "its files hold less than --json or --keep ask for";
     if (cml_has_checkpoint(path)) return;
-    if (before->gone) snprintf(why, sizeof why, "%.400s %s", before->gone, before->how);
-    snprintf(text, sizeof text, "--resume finds no %.400s: the run begins anew, as %s", path,
-             before->there ? why : "none of its files is there");
-    if (before->there) strcat(text, "; what is there of its files is replaced");
-    cml_show_note(NULL, text);
+    cml_note("--resume finds no %.400s: the run begins anew, as %s%s", path, why,
+             before->there ? "; what is there of its files is replaced" : "");
 }
 
 /* Notes a checkpoint that will be overwritten, which the user may not want. */
 static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind, bool tallies)
 {
-    char text[512];
-    if (kind == CML_CHECKPOINT_NONE) return;
     if (kind == CML_CHECKPOINT_FINISHED)
-        snprintf(text, sizeof text,
-                 "%.400s is of a finished run; without --more or --resume it begins anew%s", path,
+        cml_note("%.400s is of a finished run; without --more or --resume it begins anew%s", path,
                  tallies ? ", and its tallies go" : "");
-    else
-        snprintf(text, sizeof text, "%.400s is of a run that was stopped; without --resume it begins anew",
-                 path);
-    cml_show_note(NULL, text);
-}
-
-/* Notes that the file of a part exists and will be replaced, since --resume was not given. */
-static void note_old_part(const char *path)
-{
-    char text[512];
-    if (access(path, F_OK) != 0) return;
-    snprintf(text, sizeof text, "%.400s is there; without --resume this part begins anew", path);
-    cml_show_note(NULL, text);
+    if (kind == CML_CHECKPOINT_PARTIAL)
+        cml_note("%.400s is of a run that was stopped; without --resume it begins anew", path);
 }
 
 /* Notes beams that get none of the photons because their share is too small. */
 static void note_dark_beams(const struct cml_scene *scene, uint64_t photons)
 {
     struct cml_error ignored;
-    char text[120];
-    uint64_t *number = calloc((size_t)scene->num_beams, sizeof *number);
-    if (number && cml_deal_numbers(scene->shares, scene->num_beams, photons, number, &ignored) == CML_OK)
-        for (int k = 0; k < scene->num_beams; k++) {
-            if (number[k] > 0) continue;
-            snprintf(text, sizeof text, "beam %d has none of the %g photons: its share is too small", k + 1,
-                     (double)photons);
-            cml_show_note(NULL, text);
-        }
-    free(number);
+    CML_FREED uint64_t *number = calloc((size_t)scene->num_beams, sizeof *number);
+    if (!number || cml_deal_numbers(scene->shares, scene->num_beams, photons, number, &ignored) != CML_OK)
+        return;
+    for (int k = 0; k < scene->num_beams; k++)
+        if (number[k] == 0)
+            cml_note("beam %d has none of the %g photons: its share is too small", k + 1, (double)photons);
 }
 
 /* Notes that absorption by medium and time is left out, because gates of every layer and body would take too
  * much memory. */
 static void note_no_medium_times(const struct cml_scene *scene)
 {
-    char text[160];
     const int media = scene->num_layers + 2 + scene->num_bodies;
     if (scene->time.gates == 0 || (double)media * (scene->time.gates + 1.0) <= CML_MEDIUM_TIMES) return;
-    snprintf(text, sizeof text,
-             "no A_lt and A_body_t: %d media, the outer two included, times %d gates (at most %d)", media,
+    cml_note("no A_lt and A_body_t: %d media, the outer two included, times %d gates (at most %d)", media,
              scene->time.gates + 1, CML_MEDIUM_TIMES);
-    cml_show_note(NULL, text);
 }
 
-/* Describes a file that will be replaced, for a note; with the photons of an old result, which cost time.
- * False if there is no file. */
 bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
 {
     if (access(path, F_OK) != 0 || cml_file_is_device(path)) return false;
@@ -297,12 +272,12 @@ bool cml_describe_replaced(const char *path, char text[CML_REPLACED])
 static void note_replaced(const struct cml_scene *scene, const char *there)
 {
     struct cml_error ignored;
-    char *saved = NULL, text[CML_REPLACED];
+    CML_FREED char *saved = NULL;
+    char text[CML_REPLACED];
     if (there && cml_describe_replaced(there, text)) cml_show_note(NULL, text);
     if (there && scene->saved.limit && cml_report_saved_path(scene, there, &saved, &ignored) == CML_OK &&
         strcmp(saved, there) != 0 && cml_describe_replaced(saved, text))
         cml_show_note(NULL, text);
-    free(saved);
 }
 
 void cml_before_note(const struct cml_options *options, const struct cml_run_setup *setup, int row,
@@ -314,7 +289,8 @@ void cml_before_note(const struct cml_options *options, const struct cml_run_set
         path ? cml_checkpoint_look(path) : (struct cml_checkpoint_about){.kind = CML_CHECKPOINT_NONE};
     const enum cml_checkpoint_kind kind = about.kind;
     if (setup->part.count > 0) {
-        if (!resume) note_old_part(path);
+        if (!resume && access(path, F_OK) == 0)
+            cml_note("%.400s is there; without --resume this part begins anew", path);
         return;
     }
     if (path && !resume) note_old_checkpoint(path, kind, about.tallies);

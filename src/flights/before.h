@@ -36,10 +36,9 @@ struct cml_report_asks cml_report_asks_of(const struct cml_run_setup *setup);
 bool cml_has_checkpoint(const char *path);
 
 /* Refuses with --resume but without --replace to replace a result of another run that has more photons,
- * because it took longer to fly. photons: of the new result. *found: of the old one; 0: there is none, or it
- * is not a result. */
+ * because it took longer to fly. photons: of the new result. */
 CML_NODISCARD cml_status cml_before_keep_better(const struct cml_options *options, const char *path,
-                                                uint64_t photons, uint64_t *found, struct cml_error *err);
+                                                uint64_t photons, struct cml_error *err);
 
 /* Refuses with --no-clobber to replace an existing file. */
 CML_NODISCARD cml_status cml_keep(const char *path, struct cml_error *err);

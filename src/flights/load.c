@@ -31,7 +31,7 @@ static cml_status load(const struct cml_options *options, const struct cml_text_
  * bytes. */
 static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
 {
-    char *block = NULL;
+    CML_FREED char *block = NULL;
     size_t size = 0;
     cml_status status = CML_OK;
     const bool first = cml_cluster_rank() == 0;
@@ -39,7 +39,6 @@ static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
     status = cml_cluster_agree(status, err);
     if (status == CML_OK) status = cml_cluster_share_block(&block, &size, err);
     if (status == CML_OK && !first) status = cml_inputs_unpack(block, size, inputs, err);
-    free(block);
     return status;
 }
 
@@ -56,7 +55,6 @@ cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_
     return cml_cluster_agree(status, err);
 }
 
-/* Reads the scenes and calls `fly` for each, with the number of threads chosen for this rank. */
 cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly, struct cml_error *err)
 {
     struct cml_options mine = *options;
@@ -75,14 +73,11 @@ cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly,
 static void warn_of_binding(int threads)
 {
     struct cml_cores cores;
-    char text[160];
     cml_cores_mine(&cores);
     const int count = cml_cores_count(&cores);
     if (threads <= count || cml_cluster_rank() != 0) return;
-    snprintf(text, sizeof text,
-             "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
+    cml_note("%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
              count, count == 1 ? "" : "s");
-    cml_show_note(NULL, text);
 }
 
 int cml_choose_threads(const struct cml_options *options)

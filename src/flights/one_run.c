@@ -32,11 +32,10 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
             fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(report->sums, cml_goals[i])));
     if (!cml_surfaces_are_planes(surfaces) || !cml_exact_knows(report->scene, surfaces->item->depth))
         return CML_OK;
-    double *depth = malloc((size_t)surfaces->count * sizeof *depth);
-    if (!depth) return cml_fail_memory(err, surfaces->count * (double)sizeof *depth, "depths");
+    CML_FREED double *depth = NULL;
+    CML_TRY(cml_zeros(&depth, (size_t)surfaces->count, sizeof *depth, "depths", err));
     for (int b = 0; b < surfaces->count; b++) depth[b] = surfaces->item[b].depth;
     const cml_status status = cml_exact_scene(report->scene, depth, &options, exact, err);
-    free(depth);
     if (status == CML_OK) report->exact = exact;
     return status == CML_E_NUMERIC ? CML_OK : status;
 }
@@ -53,15 +52,12 @@ static void print_summary(const struct cml_options *options, const struct cml_re
 /* Notes why derivatives with respect to mua are missing (NaN) for clear media that trap light (P17). */
 static void note_trapped(const struct cml_report *report)
 {
-    char text[512];
     const double packets = (double)report->sums->summary.count[CML_COUNT_TRAPPED];
     if (!report->sums->grid.derivatives || !(packets > 0)) return;
-    snprintf(
-        text, sizeof text,
+    cml_note(
         "%.200s: derivatives by mua of clear media are NaN, as %.0f packet%s given up as trapped in one, "
         "on a path without an end (a small mua there has a derivative)",
         report->scene->output, packets, packets > 1 ? "s were" : " was");
-    cml_show_note(NULL, text);
 }
 
 static cml_status write_files(const struct cml_options *options, struct cml_report *report,
@@ -216,17 +212,14 @@ static void find_poor(const struct cml_result *flight, const struct cml_result *
  * share a flight weigh its packets differently, and few packets may carry nearly all weight. */
 static void note_poor(const struct cml_run_rows *rows, const struct poor_rows poor[NUM_POOR])
 {
-    char text[200];
     for (int i = 0; i < NUM_POOR; i++) {
         const enum cml_quantity quantity =
             i == POOR_A_Z ? CML_QUANTITY_A_z : cml_quantity_of_total((int)cml_goals[i]);
         const char *name = cml_quantities[quantity].name;
         if (poor[i].count == 0) continue;
-        snprintf(text, sizeof text,
-                 "%s of %d of %d rows comes of fewer than %d effective packets, that of row %d of %.0f "
+        cml_note("%s of %d of %d rows comes of fewer than %d effective packets, that of row %d of %.0f "
                  "packets: there its standard error is rough",
                  name, poor[i].count, rows->count, LEAST_PACKETS, poor[i].row + 1, poor[i].packets);
-        cml_show_note(NULL, text);
     }
 }
 
@@ -483,12 +476,13 @@ static void begin(const struct cml_run_call *call, struct cml_display *display, 
     setup->context = options->receiver->context;
 }
 
-/* Does one run from beginning to end: plans, prepares, flies and publishes. Frees whatever was made,
- * complete or not. No rank may return before all agree. */
+/* No rank may return before all agree. */
 cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    struct cml_display display = {.quiet = options->quiet, .terminal = isatty(STDERR_FILENO)};
+    /* the Python package, which sets CLUSTERMCML_PARENT, reads the bar from a pipe */
+    const bool terminal = isatty(STDERR_FILENO) || getenv("CLUSTERMCML_PARENT");
+    struct cml_display display = {.quiet = options->quiet, .terminal = terminal};
     struct own run = {0};
     begin(call, &display, &run.sim);
     *record = (struct cml_record){0};

@@ -98,13 +98,10 @@ static cml_status add_checkpoint(const struct cml_options *options, struct cml_o
 static cml_status check_name(const struct cml_scene *scene, struct cml_error *err)
 {
     static const char *const taken[] = {".checkpoint", ".checkpoint.old", ".lock", ".tmp", ".mci"};
-    const size_t length = strlen(scene->output);
-    for (size_t i = 0; i < sizeof taken / sizeof *taken; i++) {
-        const size_t size = strlen(taken[i]);
-        if (length > size && strcmp(scene->output + length - size, taken[i]) == 0)
+    for (size_t i = 0; i < sizeof taken / sizeof *taken; i++)
+        if (cml_file_ends_in(scene->output, taken[i]))
             return cml_fail_field(err, scene->file, scene->line, "output name", scene->output,
                                   "no ending .mci, .checkpoint, .checkpoint.old, .lock or .tmp");
-    }
     return CML_OK;
 }
 
@@ -114,12 +111,10 @@ static cml_status check_name(const struct cml_scene *scene, struct cml_error *er
  * folders, missing rights and read-only disks. */
 static cml_status check_writable(const char *path, const char *suffix, struct cml_error *err)
 {
-    char *name = NULL;
+    CML_FREED char *name = NULL;
     struct cml_file file;
     CML_TRY(suffix ? cml_report_path(path, suffix, &name, err) : cml_text_copy(path, &name, err));
-    const cml_status status = cml_file_create(name, &file, err);
-    free(name);
-    CML_TRY(status);
+    CML_TRY(cml_file_create(name, &file, err));
     cml_file_abort(&file);
     return CML_OK;
 }
@@ -320,18 +315,15 @@ static cml_status check_inputs(const struct cml_options *options, const struct c
                                const struct cml_scene_list *list, const struct cml_inputs *inputs,
                                struct cml_error *err)
 {
-    cml_status status = CML_OK;
-    for (size_t i = 0; status == CML_OK && i < inputs->count; i++) {
-        struct cml_output_file key = {0};
+    for (size_t i = 0; i < inputs->count; i++) {
+        CML_FREED char *name = NULL;
         if (strcmp(inputs->item[i].path, "-") == 0) continue;
-        CML_TRY(resolve(inputs->item[i].path, &key.name, err));
-        for (size_t k = 0; status == CML_OK && k < outputs->count; k++) {
-            if (strcmp(outputs->file[k].name, key.name) == 0)
-                status = fail_input(options, &list->scenes[outputs->file[k].run], inputs->item[i].path, err);
-        }
-        free(key.name);
+        CML_TRY(resolve(inputs->item[i].path, &name, err));
+        for (size_t k = 0; k < outputs->count; k++)
+            if (strcmp(outputs->file[k].name, name) == 0)
+                return fail_input(options, &list->scenes[outputs->file[k].run], inputs->item[i].path, err);
     }
-    return status;
+    return CML_OK;
 }
 
 /* True for the table of a sweep. */
@@ -346,14 +338,10 @@ static bool is_table(const struct cml_scene *scene)
 static bool result_stays(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_error ignored;
-    char *path = NULL;
-    bool stays = false;
-    if (options->resume && cml_run_checkpoint(options, scene, &path, &ignored) == CML_OK) {
-        const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
-        stays = kind == CML_CHECKPOINT_FINISHED || (kind == CML_CHECKPOINT_NONE && !options->sweep);
-    }
-    free(path);
-    return stays;
+    CML_FREED char *path = NULL;
+    if (!options->resume || cml_run_checkpoint(options, scene, &path, &ignored) != CML_OK) return false;
+    const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
+    return kind == CML_CHECKPOINT_FINISHED || (kind == CML_CHECKPOINT_NONE && !options->sweep);
 }
 
 /* True if the results of all rows of a sweep stay. The tables of the sweep are then written again with the
@@ -389,21 +377,16 @@ static cml_status check_clobber(const struct cml_options *options, const struct 
 }
 
 /* Notes results that do not lie below the folder of -o, because their names have a path. */
-static void note_elsewhere(const struct cml_options *options, const struct cml_outputs *outputs,
-                           void (*note)(void *context, const char *text))
+static void note_elsewhere(const struct cml_options *options, const struct cml_outputs *outputs)
 {
-    char *folder = options->directory ? realpath(options->directory, NULL) : NULL;
+    CML_FREED char *folder = options->directory ? realpath(options->directory, NULL) : NULL;
     for (size_t i = 0; folder && i < outputs->count; i++) {
         const char *name = outputs->file[i].name;
         const size_t length = strlen(folder);
-        char text[512];
-        if (outputs->file[i].kind != CML_OUTPUT_MAIN ||
-            (strncmp(name, folder, length) == 0 && name[length] == '/'))
-            continue;
-        snprintf(text, sizeof text, "%.300s is not below -o %.100s", name, options->directory);
-        note(NULL, text);
+        if (outputs->file[i].kind == CML_OUTPUT_MAIN &&
+            (strncmp(name, folder, length) != 0 || name[length] != '/'))
+            cml_note("%.300s is not below -o %.100s", name, options->directory);
     }
-    free(folder);
 }
 
 /* ---- files left by killed processes ---- */
@@ -475,8 +458,7 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
 }
 
 cml_status cml_outputs_claim(const struct cml_options *options, const struct cml_scene_list *list,
-                             int num_locks, const struct cml_inputs *inputs,
-                             void (*note)(void *context, const char *text), struct cml_outputs *outputs,
+                             int num_locks, const struct cml_inputs *inputs, struct cml_outputs *outputs,
                              struct cml_error *err)
 {
     const bool made = options->directory && access(options->directory, F_OK) != 0;
@@ -485,7 +467,7 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     if (made) outputs->made = options->directory;
     const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
     if (status == CML_OK)
-        note_elsewhere(options, outputs, note);
+        note_elsewhere(options, outputs);
     else
         cml_outputs_release(outputs);
     return status;

@@ -27,14 +27,13 @@ struct cml_outputs {
 
 /* Claims the files of all runs in the folder of -o, and makes the folder if needed. Every file can then be
  * written, none is an input or a file of another run, and no other process writes files of the first
- * num_locks runs. inputs: the files that were read. `note` receives notes. CML_E_INPUT: a name is unusable,
+ * num_locks runs. inputs: the files that were read. CML_E_INPUT: a name is unusable,
  * or --no-clobber keeps a result. CML_E_IO: a file cannot be written, or is locked. On failure nothing is
  * claimed. */
 CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            const struct cml_scene_list *list, int num_locks,
-                                           const struct cml_inputs *inputs,
-                                           void (*note)(void *context, const char *text),
-                                           struct cml_outputs *outputs, struct cml_error *err);
+                                           const struct cml_inputs *inputs, struct cml_outputs *outputs,
+                                           struct cml_error *err);
 
 /* Releases all files, and removes the folder that was made here if it is still empty (rmdir refuses others).
  */

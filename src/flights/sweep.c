@@ -5,7 +5,7 @@
 #include "base/version.h"
 #include "simulation/beam_notes.h"
 #include "simulation/scenes.h"
-#include "simulation/aim.h"
+#include "simulation/simulation.h"
 #include "flights/before.h"
 #include "flights/one_run.h"
 #include "flights/outputs.h"
@@ -55,7 +55,6 @@ static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const str
                              : options->photons > 0    ? options->photons
                                                        : scene->photons;
     struct cml_scene other = {.output = NULL};
-    uint64_t found;
     CML_FREED char *path = NULL, *name = NULL, *checkpoint = NULL;
     CML_TRY(cml_output_path(options, scene->output, &path, err));
     if (access(path, F_OK) != 0) return CML_OK;
@@ -63,26 +62,21 @@ static cml_status look_at_result(struct cml_sweep_run *sweep, int row, const str
     other.output = name;
     CML_TRY(cml_run_checkpoint(options, &other, &checkpoint, err));
     if (cml_has_checkpoint(checkpoint)) return CML_OK;
-    CML_TRY(cml_before_keep_better(options, path, photons, &found, err));
+    CML_TRY(cml_before_keep_better(options, path, photons, err));
     if (sweep->num_anew++ == 0) (void)cml_describe_replaced(path, sweep->replaced);
     return CML_OK;
 }
 
-/* Reads the scene of a row and checks it: memory, starts of beams, aim, existing result. */
+/* Reads the scene of a row, and checks it and an existing result. */
 static cml_status check_row(struct cml_sweep_run *sweep, int row, struct cml_error *err)
 {
-    struct cml_scene scene;
+    CML_AT_END(cml_scene_clear) struct cml_scene scene = {0};
     uint64_t seed;
     CML_TRY(cml_sweep_row_seed(sweep, row, &seed, err));
     CML_TRY(cml_sweep_read_row(sweep, row, &scene, err));
-    struct cml_surface_options how = sweep->options->surface;
-    how.shared = &sweep->surfaces;
-    cml_status status = cml_check_memory(sweep->options, &scene, NULL, err);
-    if (status == CML_OK) status = cml_check_starts(&scene, &how, err);
-    if (status == CML_OK) status = cml_aim_check(sweep->options, &scene, &sweep->surfaces, err);
+    cml_status status = cml_simulation_check(sweep->options, &scene, &sweep->surfaces, err);
     if (status == CML_OK && sweep->options->resume && sweep->options->parts == 0)
         status = look_at_result(sweep, row, &scene, err);
-    cml_scene_clear(&scene);
     return cml_sweep_name_row(sweep, row, status, err);
 }
 
@@ -114,8 +108,7 @@ static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, s
     for (int i = tables; status == CML_OK && i < list.count; i++)
         status = cml_sweep_name_saved(sweep, i - tables, &scenes[i].saved.name, err);
     if (status == CML_OK)
-        status =
-            cml_outputs_claim(sweep->options, &list, 1, sweep->inputs, cml_show_note, &sweep->outputs, err);
+        status = cml_outputs_claim(sweep->options, &list, 1, sweep->inputs, &sweep->outputs, err);
     for (int i = 0; i < list.count; i++) {
         free(scenes[i].output);
         free(scenes[i].saved.name);
@@ -130,9 +123,8 @@ static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
     for (int row = 0; row < sweep->table.num_rows; row++) CML_TRY(check_row(sweep, row, err));
     CML_TRY(cml_sweep_check_groups(sweep, &ignored, err));
     if (sweep->options->receiver) return CML_OK;
-    const size_t count = (size_t)sweep->table.num_rows + 2;
-    CML_FREED struct cml_scene *scenes = calloc(count, sizeof *scenes);
-    if (!scenes) return cml_fail_memory(err, (double)(count * sizeof *scenes), "the rows");
+    CML_FREED struct cml_scene *scenes = NULL;
+    CML_TRY(cml_zeros(&scenes, (size_t)sweep->table.num_rows + 2, sizeof *scenes, "the rows", err));
     return claim(sweep, scenes, err);
 }
 
@@ -183,9 +175,8 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
  * set the value. */
 static cml_status fail_label(const struct cml_sweep_table *table, int column, struct cml_error *err)
 {
-    char field[32];
-    snprintf(field, sizeof field, "column %d", column + 1);
-    return cml_fail_field(err, table->text.path, table->names_line, field, table->name[column],
+    return cml_fail_field(err, table->text.path, table->names_line, CML_TEXT("column %d", column + 1),
+                          table->name[column],
                           "the name without quotation marks, if it is to be set; a label has a name that "
                           "nothing in the scene has");
 }
@@ -225,7 +216,6 @@ static int layer_of(const struct cml_sweep_table *table, int column, const struc
 static void note_numbers(const struct cml_sweep_table *table, const struct cml_scene *scene)
 {
     int count = 0, numbered = 0;
-    char text[512];
     for (int c = 0; c < table->num_columns; c++) {
         const int layer = layer_of(table, c, scene);
         int before = 0;
@@ -235,26 +225,20 @@ static void note_numbers(const struct cml_sweep_table *table, const struct cml_s
     }
     if (!numbered) return;
     if (scene->num_bodies == 0 && count == scene->num_layers) return;
-    snprintf(text, sizeof text,
-             "%.300s: layer%d counts from above, in a scene of %d layer%s and %d bod%s; name=NAME behind the "
+    cml_note("%.300s: layer%d counts from above, in a scene of %d layer%s and %d bod%s; name=NAME behind the "
              "numbers of a layer lets columns say NAME.mua",
              table->text.path, numbered, scene->num_layers, scene->num_layers == 1 ? "" : "s",
              scene->num_bodies, scene->num_bodies == 1 ? "y" : "ies");
-    cml_show_note(NULL, text);
 }
 
 /* Notes labels without quotation marks and numbered layers, on rank 0 when all rows are valid. */
 static void note_columns(const struct cml_sweep_run *sweep)
 {
     const struct cml_sweep_table *table = &sweep->table;
-    char text[512];
-    for (int c = 0; c < table->num_columns; c++) {
-        if (!sweep->unmarked[c]) continue;
-        snprintf(text, sizeof text,
-                 "%.300s:%d: column %d, %s, is a label: the scene has no number of that name",
-                 table->text.path, table->names_line, c + 1, table->name[c]);
-        cml_show_note(NULL, text);
-    }
+    for (int c = 0; c < table->num_columns; c++)
+        if (sweep->unmarked[c])
+            cml_note("%.300s:%d: column %d, %s, is a label: the scene has no number of that name",
+                     table->text.path, table->names_line, c + 1, table->name[c]);
     note_numbers(table, &sweep->base->scenes[0]);
 }
 
@@ -286,9 +270,8 @@ static cml_status group_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_sweep_table *table = &sweep->table;
     const struct cml_scene *scene = &sweep->base->scenes[0];
-    const size_t columns = (size_t)table->num_columns;
-    CML_FREED struct cml_sweep_medium *media = calloc(columns, sizeof *media);
-    if (!media) return cml_fail_memory(err, (double)(columns * sizeof *media), "the columns");
+    CML_FREED struct cml_sweep_medium *media = NULL;
+    CML_TRY(cml_zeros(&media, (size_t)table->num_columns, sizeof *media, "the columns", err));
     for (int c = 0; c < table->num_columns; c++) {
         const int medium = medium_of(table, c, scene);
         media[c] = (struct cml_sweep_medium){medium == 1, -1, 0};
@@ -345,7 +328,7 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
     struct cml_sweep_run *sweep = context;
-    struct cml_scene scene;
+    CML_AT_END(cml_scene_clear) struct cml_scene scene = {0};
     struct cml_error why = {CML_OK, ""};
     uint64_t seed = 0;
     cml_status status = cml_sweep_row_seed(sweep, row, &seed, err);
@@ -364,7 +347,6 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
     status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
     const bool looks = cml_part_files_looking(sweep->options->joined);
     if (!looks && (status == CML_OK || status == CML_E_NUMERIC)) cml_sweep_print_row(sweep, row, record);
-    cml_scene_clear(&scene);
     return status;
 }
 
@@ -446,12 +428,11 @@ static void remove_checkpoints(const struct cml_sweep_run *sweep)
     const struct cml_options *options = sweep->options;
     struct cml_error ignored;
     for (int row = 0; !cml_run_leaves_checkpoints(options) && row < sweep->table.num_rows; row++) {
+        CML_FREED char *output = NULL, *path = NULL;
         struct cml_scene scene = sweep->base->scenes[0];
-        char *path = NULL;
-        if (cml_sweep_row_output(sweep, row, &scene.output, &ignored) != CML_OK) continue;
+        if (cml_sweep_row_output(sweep, row, &output, &ignored) != CML_OK) continue;
+        scene.output = output;
         if (cml_run_checkpoint(options, &scene, &path, &ignored) == CML_OK) cml_checkpoint_remove(path);
-        free(scene.output);
-        free(path);
     }
 }
 
@@ -483,23 +464,11 @@ static void announce(const struct cml_sweep_run *sweep)
  * replaced, too. */
 static void note_replaced(const struct cml_sweep_run *sweep)
 {
-    char *csv = NULL, text[CML_REPLACED];
+    CML_FREED char *csv = NULL;
+    char text[CML_REPLACED];
     struct cml_error ignored;
     if (table_path(sweep, ".sweep.csv", &csv, &ignored) == CML_OK && cml_describe_replaced(csv, text))
         cml_show_note(NULL, text);
-    free(csv);
-}
-
-/* Notes that some rows have results but no checkpoint, so that --resume begins them again and replaces the
- * results. */
-static void note_anew(const struct cml_sweep_run *sweep)
-{
-    char text[CML_REPLACED + 200];
-    snprintf(text, sizeof text,
-             "--resume finds no checkpoint of %d of %d rows whose results are there: they begin anew; %s%s",
-             sweep->num_anew, sweep->table.num_rows, sweep->replaced,
-             sweep->num_anew > 1 ? ", and others" : "");
-    cml_show_note(NULL, text);
 }
 
 /* Flies all rows, makes their results safe on the disk and writes the tables of the sweep. */
@@ -509,7 +478,11 @@ static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
     struct cml_error why = {CML_OK, ""};
     const bool replaces = !options->resume && options->parts == 0;
     if (cml_cluster_rank() == 0 && !options->quiet && replaces) note_replaced(sweep);
-    if (cml_cluster_rank() == 0 && sweep->num_anew > 0) note_anew(sweep);
+    if (cml_cluster_rank() == 0 && sweep->num_anew > 0)
+        cml_note(
+            "--resume finds no checkpoint of %d of %d rows whose results are there: they begin anew; %s%s",
+            sweep->num_anew, sweep->table.num_rows, sweep->replaced,
+            sweep->num_anew > 1 ? ", and others" : "");
     if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json) announce(sweep);
     if (!options->receiver) cml_pending_begin(&sweep->pending);

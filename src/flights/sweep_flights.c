@@ -78,12 +78,10 @@ static cml_status find_rows(const struct cml_sweep_run *sweep, int number, struc
                             struct cml_error *err)
 {
     const size_t most = (size_t)sweep->table.num_rows;
-    group->row = calloc(most, sizeof *group->row);
-    group->own = calloc(most, sizeof *group->own);
-    group->scene = calloc(most, sizeof *group->scene);
-    group->record = calloc(most, sizeof *group->record);
-    if (!group->row || !group->own || !group->scene || !group->record)
-        return cml_fail_memory(err, (double)(most * sizeof *group->record), "the rows");
+    CML_TRY(cml_zeros(&group->row, most, sizeof *group->row, "the rows", err));
+    CML_TRY(cml_zeros(&group->own, most, sizeof *group->own, "the rows", err));
+    CML_TRY(cml_zeros(&group->scene, most, sizeof *group->scene, "the rows", err));
+    CML_TRY(cml_zeros(&group->record, most, sizeof *group->record, "the rows", err));
     for (int row = 0; row < sweep->table.num_rows; row++)
         if (sweep->group[row] == number) group->row[group->count++] = row;
     return CML_OK;
@@ -121,8 +119,7 @@ static cml_status read_group(const struct cml_sweep_run *sweep, struct group *gr
     const struct cml_scene *flown = &group->flown;
     const size_t media = (size_t)flown->num_layers + 2 + (size_t)flown->num_bodies,
                  count = (size_t)group->count;
-    group->more = calloc(media * count, sizeof *group->more);
-    if (!group->more) return cml_fail_memory(err, (double)(media * count * sizeof(double)), "the rows");
+    CML_TRY(cml_zeros(&group->more, media * count, sizeof *group->more, "the rows", err));
     for (size_t i = 0; i < count; i++) {
         CML_TRY(cml_sweep_read_row(sweep, group->row[i], &group->own[i], err));
         group->scene[i] = &group->own[i];
@@ -138,11 +135,8 @@ static cml_status identify_group(const struct cml_sweep_run *sweep, struct group
 {
     size_t size = 0;
     FILE *out = open_memstream(&group->identity, &size);
-    for (int i = 0; out && i < group->count; i++) {
-        char prefix[40];
-        snprintf(prefix, sizeof prefix, "row %d set ", group->row[i] + 1);
-        cml_text_print(out, prefix, group->scene[i]->settings);
-    }
+    for (int i = 0; out && i < group->count; i++)
+        cml_text_print(out, CML_TEXT("row %d set ", group->row[i] + 1), group->scene[i]->settings);
     if (out) fputs(sweep->identity, out);
     return cml_text_end(out, &group->identity, &size, "the run's identity", err);
 }
@@ -174,8 +168,8 @@ static void take_records(struct cml_sweep_run *sweep, const struct group *group)
 /* Most cells in a thread for A(r,z) of all rows together, or for the means of detectors. */
 #define MOST_CELLS 5e7
 
-/* True if the rows can have A(z) and A(r,z); else `text` says why not. */
-static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group *group, char text[200])
+/* True if the rows can have A(z) and A(r,z). notes: shows why not. */
+static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group *group, bool notes)
 {
     const struct cml_scene *flown = &group->flown;
     const struct cml_engine_rows rows = {.count = group->count, .more = group->more};
@@ -183,29 +177,27 @@ static bool reaches_depths(const struct cml_sweep_run *sweep, const struct group
     const bool large = (double)flown->nr * flown->nz * group->count > MOST_CELLS;
     if (!sweep->options->engine_options.absorption) return false;
     if (blind < 0 && !large) return true;
-    if (large)
-        snprintf(text, 200,
-                 "rows have no A_z and A_rz: %d rows of %d x %d bins are too many (expected at most %g bins)",
+    if (notes && large)
+        cml_note("rows have no A_z and A_rz: %d rows of %d x %d bins are too many (expected at most %g bins)",
                  group->count, flown->nr, flown->nz, MOST_CELLS);
-    else
-        snprintf(text, 200,
-                 "rows have no A_z and A_rz: in medium %d a row has mua above %g times mus (or, where mus = "
+    else if (notes)
+        cml_note("rows have no A_z and A_rz: in medium %d a row has mua above %g times mus (or, where mus = "
                  "0, times the mua of the palest row)",
                  blind, CML_ROW_MOST_SHARE / CML_ROW_SAMPLING);
     return false;
 }
 
-/* True if the rows have means of detectors, which take 64 batches; else `text` says why not. */
-static bool keeps_means(const struct group *group, char text[200])
+/* True if the rows have means of detectors, which take 64 batches. notes: shows why not. */
+static bool keeps_means(const struct group *group, bool notes)
 {
     const struct cml_scene *flown = &group->flown;
     const double media = flown->num_layers + 2.0 + flown->num_bodies,
                  cells = 2 * (2 * media + 1) * flown->num_detectors * group->count * CML_NUM_BATCHES;
     if (cells <= MOST_CELLS) return true;
-    snprintf(text, 200,
-             "rows have no means of detectors: %d rows of %d detectors and %.0f media take %.3g bins "
-             "(expected at most %g)",
-             group->count, flown->num_detectors, media, cells, MOST_CELLS);
+    if (notes)
+        cml_note("rows have no means of detectors: %d rows of %d detectors and %.0f media take %.3g bins "
+                 "(expected at most %g)",
+                 group->count, flown->num_detectors, media, cells, MOST_CELLS);
     return false;
 }
 
@@ -214,15 +206,13 @@ static struct cml_engine_options options_of(const struct cml_sweep_run *sweep, c
                                             bool notes)
 {
     struct cml_engine_options options = sweep->options->engine_options;
-    char text[2][200] = {"", ""};
+    const bool depths = reaches_depths(sweep, group, notes), means = keeps_means(group, notes);
     options.rows = (struct cml_engine_rows){.count = group->count,
                                             .more = group->more,
-                                            .depths = reaches_depths(sweep, group, text[0]),
+                                            .depths = depths,
                                             .times = options.absorption,
-                                            .means = keeps_means(group, text[1])};
+                                            .means = means};
     options.absorption = false;
-    for (int i = 0; i < 2; i++)
-        if (notes && text[i][0]) cml_show_note(NULL, text[i]);
     return options;
 }
 
@@ -231,22 +221,19 @@ cml_status cml_sweep_check_groups(const struct cml_sweep_run *sweep, struct cml_
 {
     struct cml_options options = *sweep->options;
     double most = 0;
-    cml_status status = CML_OK;
-    for (int number = 0; status == CML_OK && number < sweep->num_groups; number++) {
-        struct group group = {0};
+    for (int number = 0; number < sweep->num_groups; number++) {
+        CML_AT_END(clear_group) struct group group = {0};
         uint64_t seed;
-        status = prepare_group(sweep, number, &group, &seed, err);
-        if (status == CML_OK) {
-            options.engine_options = options_of(sweep, &group, false);
-            status = cml_check_memory(&options, &group.flown, NULL, err);
-        }
-        const double bytes = status == CML_OK ? cml_memory_of(&options, &group.flown, NULL).most : 0;
-        if (bytes > most) *largest = options.engine_options;
+        CML_TRY(prepare_group(sweep, number, &group, &seed, err));
+        options.engine_options = options_of(sweep, &group, false);
+        CML_TRY(cml_check_memory(&options, &group.flown, NULL, err));
+        const double bytes = cml_memory_of(&options, &group.flown, NULL).most;
+        if (bytes <= most) continue;
+        most = bytes;
+        *largest = options.engine_options;
         largest->rows.more = NULL;
-        most = bytes > most ? bytes : most;
-        clear_group(&group);
     }
-    return status;
+    return CML_OK;
 }
 
 /* Flies group `number` of rows, which share one flight, and writes a result for each row. `looks`: `merge`
@@ -256,7 +243,7 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
     struct cml_options options = *sweep->options;
     const bool looks = cml_part_files_looking(options.joined);
     struct cml_error why = {CML_OK, ""};
-    struct group group = {0};
+    CML_AT_END(clear_group) struct group group = {0};
     uint64_t seed = 0;
     cml_status status = cml_cluster_agree(prepare_group(sweep, number, &group, &seed, err), err);
     if (status == CML_OK) {
@@ -274,7 +261,6 @@ static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_
         status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
         if (!looks && (status == CML_OK || status == CML_E_NUMERIC)) take_records(sweep, &group);
     }
-    clear_group(&group);
     return status;
 }
 

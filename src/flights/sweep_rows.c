@@ -8,15 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Allocates the records of `count` rows, none of which is done yet. */
 cml_status cml_sweep_rows_create(int count, struct cml_sweep_rows *rows, struct cml_error *err)
 {
     *rows = (struct cml_sweep_rows){.count = count};
-    rows->done = calloc((size_t)count, sizeof *rows->done);
-    rows->record = calloc((size_t)count, sizeof *rows->record);
-    if (rows->done && rows->record) return CML_OK;
-    cml_sweep_rows_clear(rows);
-    return cml_fail_memory(err, count * (double)sizeof *rows->record, "the rows");
+    CML_TRY(cml_zeros(&rows->done, (size_t)count, sizeof *rows->done, "the rows", err));
+    return cml_zeros(&rows->record, (size_t)count, sizeof *rows->record, "the rows", err);
 }
 
 void cml_sweep_rows_clear(struct cml_sweep_rows *rows)
@@ -192,17 +188,15 @@ static cml_status gather_json(const struct cml_sweep_rows *rows, const struct ro
         if (total > size) size = total;
     }
     CML_TRY(cml_cluster_share(&size, sizeof size, err));
-    char *text = calloc(size, 1), *texts = calloc(first ? size * (size_t)cml_cluster_size() : 1, 1);
-    cml_status status = text && texts ? CML_OK : cml_fail_memory(err, (double)size, "the JSON records");
-    status = cml_cluster_agree(status, err);
-    if (status == CML_OK) {
-        join_json(rows, text);
-        status = cml_cluster_gather(text, size, texts, err);
-    }
-    if (status == CML_OK && first) print_all(rows, all, texts, size);
-    free(text);
-    free(texts);
-    return status;
+    CML_FREED char *text = NULL, *texts = NULL;
+    cml_status status = cml_zeros(&text, size, 1, "the JSON records", err);
+    if (status == CML_OK && first)
+        status = cml_zeros(&texts, size, (size_t)cml_cluster_size(), "the JSON records", err);
+    CML_TRY(cml_cluster_agree(status, err));
+    join_json(rows, text);
+    CML_TRY(cml_cluster_gather(text, size, texts, err));
+    if (first) print_all(rows, all, texts, size);
+    return CML_OK;
 }
 
 /* Takes over the records of rows that other ranks have flown, on rank 0. */
@@ -225,19 +219,15 @@ static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_erro
 {
     const size_t count = (size_t)rows->count;
     const size_t ranks = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
-    struct row_report *mine = calloc(count, sizeof *mine), *all = calloc(ranks * count, sizeof *all);
-    cml_status status =
-        mine && all ? CML_OK : cml_fail_memory(err, (double)(ranks * count * sizeof *all), "the rows");
-    status = cml_cluster_agree(status, err);
-    if (status == CML_OK) {
-        fill_reports(rows, mine);
-        status = cml_cluster_gather(mine, count * sizeof *mine, all, err);
-    }
-    if (status == CML_OK && json) status = gather_json(rows, all, err);
-    if (status == CML_OK && cml_cluster_rank() == 0) take_over(rows, all);
-    free(mine);
-    free(all);
-    return status;
+    CML_FREED struct row_report *mine = NULL, *all = NULL;
+    cml_status status = cml_zeros(&mine, count, sizeof *mine, "the rows", err);
+    if (status == CML_OK) status = cml_zeros(&all, ranks * count, sizeof *all, "the rows", err);
+    CML_TRY(cml_cluster_agree(status, err));
+    fill_reports(rows, mine);
+    CML_TRY(cml_cluster_gather(mine, count * sizeof *mine, all, err));
+    if (json) CML_TRY(gather_json(rows, all, err));
+    if (cml_cluster_rank() == 0) take_over(rows, all);
+    return CML_OK;
 }
 
 /* Flies rows on all ranks at once, each rank another row: it takes the next one when it has finished one. */

@@ -68,15 +68,13 @@ cml_status cml_sweep_name_row(const struct cml_sweep_run *sweep, int row, cml_st
                     why.text);
 }
 
-/* Makes the scene of a row from the base scene and the row's settings. */
 cml_status cml_sweep_read(const struct cml_sweep_run *sweep, int row, const struct cml_settings *settings,
                           struct cml_scene *scene, struct cml_error *err)
 {
-    char *output = NULL;
+    CML_FREED char *output = NULL;
     CML_TRY(cml_sweep_row_output(sweep, row, &output, err));
     cml_status status =
         cml_copy_scene(sweep->options, settings, output, sweep->inputs, &sweep->base->scenes[0], scene, err);
-    free(output);
     if (status == CML_OK) status = cml_sweep_name_saved(sweep, row, &scene->saved.name, err);
     return cml_sweep_name_row(sweep, row, status, err);
 }

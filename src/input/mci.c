@@ -28,7 +28,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #define MAX_CELLS 2147483648.0
 /* cm: a layer as thick as this counts as semi-infinite; 1e8 is usual in files */
@@ -73,11 +72,9 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
  * number. */
 static cml_status check_keyword(const struct cml_mci_reader *reader, const char *field)
 {
-    char expected[200];
     const char *meant = cml_mci_meant_keyword(reader);
     if (!meant) return CML_OK;
-    snprintf(expected, sizeof expected, "%s; did you mean %s?", field, meant);
-    return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
+    return cml_mci_fail(reader, "line", cml_mci_raw(reader), CML_TEXT("%s; did you mean %s?", field, meant));
 }
 
 /* Keyword lines of a run: the function that reads the line, or the keys that the line has. line: offset of
@@ -109,17 +106,16 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
                                 struct cml_scene *scene)
 {
     const char *word = cml_mci_keywords[kind].word;
-    char text[64];
     if (run_lines[kind].line > 0) {
         int *line = (int *)((char *)scene + run_lines[kind].line);
-        snprintf(text, sizeof text, "one %s line per run", word);
-        if (*line) return cml_mci_fail(reader, "line", cml_mci_raw(reader), text);
+        if (*line)
+            return cml_mci_fail(reader, "line", cml_mci_raw(reader), CML_TEXT("one %s line per run", word));
         *line = reader->text.line;
     }
     cml_mci_cut_comment(reader->cursor);
     if (run_lines[kind].read) return run_lines[kind].read(reader, scene);
-    snprintf(text, sizeof text, "text after %s", word);
-    if (run_lines[kind].keys == CML_KEYS_NONE) return cml_mci_end_line(reader, text);
+    if (run_lines[kind].keys == CML_KEYS_NONE)
+        return cml_mci_end_line(reader, CML_TEXT("text after %s", word));
     struct cml_mci_line line = {
         .reader = reader,
         .owner = word,
@@ -167,21 +163,12 @@ static cml_status check_output(const struct cml_mci_reader *reader, const struct
 {
     const char *wrong = cml_mci_why_no_name(name);
     if (wrong) return cml_mci_fail(reader, "output name", name, wrong);
-    for (int i = 0; i < list->count - 1; i++) {
-        if (strcmp(list->scenes[i].output, name) != 0) continue;
-        char expected[80];
-        snprintf(expected, sizeof expected, "another name than that of the run in line %d",
-                 list->scenes[i].line);
-        return cml_mci_fail(reader, "output name", name, expected);
-    }
+    for (int i = 0; i < list->count - 1; i++)
+        if (strcmp(list->scenes[i].output, name) == 0)
+            return cml_mci_fail(
+                reader, "output name", name,
+                CML_TEXT("another name than that of the run in line %d", list->scenes[i].line));
     return CML_OK;
-}
-
-/* True if the name ends in `ending`, in small letters or capitals. */
-static bool ends_in(const char *name, const char *ending)
-{
-    const size_t length = strlen(name), size = strlen(ending);
-    return length > size && strcasecmp(name + length - size, ending) == 0;
 }
 
 /* Replaces the name of the output by that of --output, whose ending also sets the format. */
@@ -191,8 +178,8 @@ static cml_status rename_output(const struct cml_mci_reader *reader, struct cml_
     if (expected) return cml_fail(reader->err, CML_E_INPUT, "--output %.80s (expected %s)", name, expected);
     free(scene->output);
     scene->output = NULL;
-    if (ends_in(name, ".h5")) scene->format = 'B';
-    if (ends_in(name, ".mco")) scene->format = 'A';
+    if (cml_file_ends_in(name, ".h5")) scene->format = 'B';
+    if (cml_file_ends_in(name, ".mco")) scene->format = 'A';
     return cml_text_copy(name, &scene->output, reader->err);
 }
 
@@ -220,11 +207,9 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const struct 
     const double nz = scene->nz, nr = scene->nr, na = scene->na;
     const double cells = nr * nz + 2 * nr * na + nz + 2 * nr + 2 * na;
     if (cells <= MAX_CELLS) return CML_OK;
-    char value[80], expected[120];
-    snprintf(value, sizeof value, "%.0f %.0f %.0f", nz, nr, na);
-    snprintf(expected, sizeof expected, "at most 2^31 cells in all arrays together, not %.3g (%.3g GiB)",
-             cells, cells * 8 / 1073741824.0);
-    return cml_mci_fail(reader, "nz nr na", value, expected);
+    return cml_mci_fail(reader, "nz nr na", CML_TEXT("%.0f %.0f %.0f", nz, nr, na),
+                        CML_TEXT("at most 2^31 cells in all arrays together, not %.3g (%.3g GiB)", cells,
+                                 cells * 8 / 1073741824.0));
 }
 
 /* Reads the first data lines of a run: number of photons, sizes of bins (dz dr) and numbers of bins (nz nr
@@ -252,12 +237,8 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
             "number of layers, or a line that begins with a word of `clustermcml help input`");
     CML_TRY(cml_mci_numbers(reader, NULL, CML_KEY_PARTS({CML_KEYS_LAYERS, scene})));
     const size_t layers = (size_t)scene->num_layers;
-    scene->media = calloc(layers + 2, sizeof *scene->media);
-    scene->boundaries = calloc(layers + 1, sizeof *scene->boundaries);
-    if (scene->media && scene->boundaries) return CML_OK;
-    return cml_fail_memory(reader->err,
-                           (double)layers * (double)(sizeof *scene->media + sizeof *scene->boundaries),
-                           "the layers");
+    CML_TRY(cml_zeros(&scene->media, layers + 2, sizeof *scene->media, "the layers", reader->err));
+    return cml_zeros(&scene->boundaries, layers + 1, sizeof *scene->boundaries, "the layers", reader->err);
 }
 
 /* Returns how many numbers a line holds; 0 if it holds anything else, too. */
@@ -285,8 +266,7 @@ static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *
 /* Reads the line of a layer. Keyword lines of the boundary above it, number layer - 1, may come first. */
 static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *scene, int layer)
 {
-    char owner[32];
-    snprintf(owner, sizeof owner, "layer %d", layer);
+    const char *owner = CML_TEXT("layer %d", layer);
     CML_TRY(next_data_line(reader, STAGE_LAYERS, scene, layer - 1, owner));
     if (numbers_alone(reader->cursor) == 1)
         return cml_mci_fail(reader, owner, cml_mci_raw(reader),
@@ -414,11 +394,12 @@ static cml_status refuse_version(const struct cml_mci_reader *reader, const char
 {
     static const char later[] = "mcmli";
     const size_t size = strlen(later);
-    char expected[100] = "a number: 1.0";
-    if (strncmp(version, later, size) == 0 && version[size] >= '2' && version[size] <= '9')
-        snprintf(expected, sizeof expected,
-                 "1.0, the format of MCML 1; this is input of MCML %c, which is not read", version[size]);
-    return cml_mci_fail(reader, "file version", version, expected);
+    const bool is_later = strncmp(version, later, size) == 0 && version[size] >= '2' && version[size] <= '9';
+    return cml_mci_fail(
+        reader, "file version", version,
+        is_later ? CML_TEXT("1.0, the format of MCML 1; this is input of MCML %c, which is not read",
+                            version[size])
+                 : "a number: 1.0");
 }
 
 /* Reads the version. Any number is accepted, because original MCML does not look at it. */
@@ -454,17 +435,14 @@ static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list
     return check_rest(reader, list);
 }
 
-/* Reads all runs of a .mci file into a list of scenes. After a failure the list is empty: nobody sees an
- * incomplete scene. */
 cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
                         struct cml_scene_list *list, struct cml_error *err)
 {
     static const struct cml_input_options none;
-    struct cml_mci_reader reader;
+    CML_AT_END(cml_mci_close) struct cml_mci_reader reader = {0};
     *list = (struct cml_scene_list){0};
     cml_status status = cml_mci_open(path, options ? options : &none, &reader, err);
     if (status == CML_OK) status = read_file(&reader, list);
-    cml_mci_close(&reader);
     if (status != CML_OK) cml_scene_list_clear(list);
     return status;
 }
@@ -475,15 +453,13 @@ cml_status cml_mci_read(const char *path, const struct cml_input_options *option
 static cml_status read_shape(const struct cml_mci_reader *copying, const char *path, int line, int b,
                              struct cml_boundary *boundary)
 {
-    struct cml_mci_reader reader;
+    CML_AT_END(cml_mci_close) struct cml_mci_reader reader = {0};
     enum cml_mci_kind kind;
     cml_boundary_clear(boundary);
-    cml_status status = cml_mci_open(path, copying->options, &reader, copying->err);
-    while (status == CML_OK && reader.text.line + 1 < line) cml_text_next(&reader.text);
-    if (status == CML_OK) status = cml_mci_next(&reader, true, &kind);
-    if (status == CML_OK) status = cml_mci_boundary(&reader, kind, b, boundary);
-    cml_mci_close(&reader);
-    return status;
+    CML_TRY(cml_mci_open(path, copying->options, &reader, copying->err));
+    while (reader.text.line + 1 < line) cml_text_next(&reader.text);
+    CML_TRY(cml_mci_next(&reader, true, &kind));
+    return cml_mci_boundary(&reader, kind, b, boundary);
 }
 
 /* Reads those shapes again whose scale or height is set to another value than before. */
@@ -500,8 +476,6 @@ static cml_status read_shapes(const struct cml_mci_reader *copying, struct cml_s
     return CML_OK;
 }
 
-/* Copies a scene with other settings. The copy shares shapes and tables with the original, except those
- * whose scale the settings change. */
 cml_status cml_mci_copy(const struct cml_scene *from, const struct cml_input_options *options,
                         struct cml_scene *scene, struct cml_error *err)
 {

@@ -58,12 +58,11 @@ static cml_status read_row(struct cml_mci_reader *rows, struct cml_light *light)
 static cml_status read_light_table(struct cml_mci_reader *rows, void *context)
 {
     struct cml_light *light = context;
-    char count[16];
     double sum = 0;
     while (cml_mci_next_row(rows)) CML_TRY(read_row(rows, light));
-    snprintf(count, sizeof count, "%d", light->rows);
     if (light->rows < 2)
-        return cml_mci_fail(rows, "rows", count, "2 at least, each of an angle and an intensity");
+        return cml_mci_fail(rows, "rows", CML_TEXT("%d", light->rows),
+                            "2 at least, each of an angle and an intensity");
     for (int i = 0; i < light->rows; i++) sum += light->intensity[i];
     return sum > 0 ? CML_OK : cml_mci_fail(rows, "intensity", "0 in all rows", "light in one row at least");
 }
@@ -74,19 +73,18 @@ static cml_status take_pixels(const char *path, const struct cml_heightmap *map,
                               struct cml_error *err)
 {
     const size_t nx = (size_t)map->nx, ny = (size_t)map->ny;
-    char value[96];
     double sum = 0;
-    beam->pixel = malloc(nx * ny * sizeof *beam->pixel);
-    if (!beam->pixel) return cml_fail_memory(err, (double)(nx * ny) * 8, "an image");
+    CML_TRY(cml_zeros(&beam->pixel, nx * ny, sizeof *beam->pixel, "an image", err));
     beam->columns = map->nx;
     beam->rows = map->ny;
     beam->size[0] = map->dx * map->nx;
     beam->size[1] = map->dy * map->ny;
     for (size_t i = 0; i < nx * ny; i++) {
         const double pixel = map->h[(ny - 1 - i / nx) * nx + i % nx];
-        snprintf(value, sizeof value, "%g in row %zu, column %zu", pixel, i / nx + 1, i % nx + 1);
         if (!(pixel >= 0) || !isfinite(pixel))
-            return cml_fail_field(err, path, 0, "pixel", value, "0 or more");
+            return cml_fail_field(err, path, 0, "pixel",
+                                  CML_TEXT("%g in row %zu, column %zu", pixel, i / nx + 1, i % nx + 1),
+                                  "0 or more");
         beam->pixel[i] = pixel;
         sum += pixel;
     }
@@ -97,15 +95,12 @@ static cml_status take_pixels(const char *path, const struct cml_heightmap *map,
 /* Reads the image file of a beam, whose pixels say how much light starts where. */
 static cml_status read_image(struct cml_mci_reader *reader, const char *name, struct cml_beam *beam)
 {
-    struct cml_heightmap map = {0};
-    char *path = NULL;
+    CML_AT_END(cml_heightmap_clear) struct cml_heightmap map = {0};
+    CML_FREED char *path = NULL;
     CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
     cml_status status = cml_gsf_read_pixels(reader->options->source, path, &map, reader->err);
     if (status == CML_OK) status = take_pixels(path, &map, beam, reader->err);
-    status = cml_mci_name_line(reader, "beam", path, status);
-    cml_heightmap_clear(&map);
-    free(path);
-    return status;
+    return cml_mci_name_line(reader, "beam", path, status);
 }
 
 /* ---- keys of a beam ---- */
@@ -217,8 +212,7 @@ cml_status cml_mci_add_beam(struct cml_mci_reader *reader, struct cml_scene *sce
     return CML_OK;
 }
 
-/* Reads a line `beam` and the files that it names. The line's z= decides between a beam inside the scene and
- * one from above. */
+/* The line's z= decides between a beam inside the scene and one from above. */
 cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct cml_key_part parts[CML_MOST_KEY_PARTS];
@@ -255,32 +249,28 @@ static cml_status check_light(const struct cml_mci_reader *reader, const struct 
     const struct cml_beam *beam = &scene->beams[k];
     const double degrees = 180 / CML_PI, n = cml_beam_index(scene, beam),
                  widest = cml_light_widest(&beam->light, n);
-    char value[120], expected[160];
     if (beam->light.kind == CML_LIGHT_OF_ISOTROPIC)
         return fail_beam(reader, scene, k, "beam: light", "isotropic",
                          beam->port ? "light that goes down" : "z= beside it: it goes up, too");
-    if (beam->light.kind == CML_LIGHT_OF_NA && beam->light.na > n) {
-        snprintf(value, sizeof value, "na:%g", beam->light.na);
-        snprintf(expected, sizeof expected, "at most n = %g of the medium that it starts in", n);
-        return fail_beam(reader, scene, k, "beam: light", value, expected);
-    }
+    if (beam->light.kind == CML_LIGHT_OF_NA && beam->light.na > n)
+        return fail_beam(reader, scene, k, "beam: light", CML_TEXT("na:%g", beam->light.na),
+                         CML_TEXT("at most n = %g of the medium that it starts in", n));
     if (beam->light.kind == CML_LIGHT_OF_PARALLEL) return CML_OK;
     const bool half_space =
         beam->light.kind == CML_LIGHT_OF_LAMBERTIAN || beam->light.kind == CML_LIGHT_OF_NA;
     if ((half_space && beam->angle == 0) || beam->angle + widest < CML_PI / 2) return CML_OK;
-    snprintf(value, sizeof value, "up to %g degrees from an axis of angle %g", widest * degrees,
-             beam->angle * degrees);
-    return fail_beam(reader, scene, k, "beam: light", value,
-                     beam->light.kind == CML_LIGHT_OF_LAMBERTIAN
-                         ? "angle 0: light from above all surfaces goes down; or z="
-                         : "less than 90 degrees together: light from above all surfaces goes down; or z=");
+    return fail_beam(
+        reader, scene, k, "beam: light",
+        CML_TEXT("up to %g degrees from an axis of angle %g", widest * degrees, beam->angle * degrees),
+        beam->light.kind == CML_LIGHT_OF_LAMBERTIAN
+            ? "angle 0: light from above all surfaces goes down; or z="
+            : "less than 90 degrees together: light from above all surfaces goes down; or z=");
 }
 
 /* Finds the period of all tiles, x and y in cm. Fails where there is no tile, or tiles differ. */
 static cml_status find_period(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                               const double **period)
 {
-    char value[160];
     int first = -1;
     for (int b = 0; b <= scene->num_layers; b++) {
         const double *own = scene->boundaries[b].period;
@@ -290,9 +280,10 @@ static cml_status find_period(const struct cml_mci_reader *reader, const struct 
             *period = own;
         }
         if (fabs(own[0] / (*period)[0] - 1) < 1e-9 && fabs(own[1] / (*period)[1] - 1) < 1e-9) continue;
-        snprintf(value, sizeof value, "tile, with %g x %g cm at boundary %d, %g x %g cm at boundary %d",
-                 (*period)[0], (*period)[1], first, own[0], own[1], b);
-        return fail_beam(reader, scene, k, "beam: rectangle", value, "tiles of one period, or W H");
+        return fail_beam(reader, scene, k, "beam: rectangle",
+                         CML_TEXT("tile, with %g x %g cm at boundary %d, %g x %g cm at boundary %d",
+                                  (*period)[0], (*period)[1], first, own[0], own[1], b),
+                         "tiles of one period, or W H");
     }
     if (first >= 0) return CML_OK;
     return fail_beam(reader, scene, k, "beam: rectangle", "tile",
@@ -309,16 +300,13 @@ static cml_status fit_to_tile(const struct cml_mci_reader *reader, struct cml_sc
 {
     struct cml_beam *beam = &scene->beams[k];
     const double *period = NULL;
-    char value[40];
     int axis[2];
     CML_TRY(find_period(reader, scene, k, &period));
-    snprintf(value, sizeof value, "%g", beam->azimuth / degree);
     if (!cml_beam_axes(beam, axis))
-        return fail_beam(reader, scene, k, "beam: azimuth", value,
+        return fail_beam(reader, scene, k, "beam: azimuth", CML_TEXT("%g", beam->azimuth / degree),
                          "a multiple of 90 degrees beside rectangle tile, whose sides lie along x and y");
-    snprintf(value, sizeof value, "%g", beam->angle / degree);
     if (beam->angle != 0 && (beam->inside || beam->light.kind != CML_LIGHT_OF_PARALLEL))
-        return fail_beam(reader, scene, k, "beam: angle", value,
+        return fail_beam(reader, scene, k, "beam: angle", CML_TEXT("%g", beam->angle / degree),
                          "0 beside rectangle tile with z= or light=: other light is not even over a period");
     beam->size[0] = period[axis[0]] * cos(beam->angle);
     beam->size[1] = period[axis[1]];
@@ -329,11 +317,9 @@ static cml_status fit_to_tile(const struct cml_mci_reader *reader, struct cml_sc
 static cml_status check_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
     const struct cml_beam *beam = &scene->beams[k];
-    char value[80];
-    if (beam->shape == CML_BEAM_RING && !(beam->size[0] < beam->size[1])) {
-        snprintf(value, sizeof value, "%g %g", beam->size[0], beam->size[1]);
-        return fail_beam(reader, scene, k, "beam: r1 r2", value, "r1 < r2");
-    }
+    if (beam->shape == CML_BEAM_RING && !(beam->size[0] < beam->size[1]))
+        return fail_beam(reader, scene, k, "beam: r1 r2", CML_TEXT("%g %g", beam->size[0], beam->size[1]),
+                         "r1 < r2");
     if (beam->radial && scene->num_beams > 1)
         return fail_beam(reader, scene, k, "beam: radial", "beam",
                          "one beam only: with several r counts from the z axis");
@@ -345,7 +331,6 @@ static cml_status check_beam(const struct cml_mci_reader *reader, const struct c
 static cml_status start_in_port(const struct cml_mci_reader *reader, const struct cml_scene *scene,
                                 struct cml_beam *beam)
 {
-    char expected[120];
     CML_TRY(cml_mci_find_port(reader, scene, beam->port, "beam", scene->file, beam->line, &beam->contact));
     if (!beam->contact) return CML_OK;
     const struct cml_contact_def *port = &scene->contacts[beam->contact - 1];
@@ -357,13 +342,11 @@ static cml_status start_in_port(const struct cml_mci_reader *reader, const struc
     beam->x = port->x;
     beam->y = port->y;
     if (!above) return CML_OK;
-    snprintf(expected, sizeof expected, "a port with no line on top of it; line %d lies on top",
-             scene->contacts[above - 1].line);
-    return cml_fail_field(reader->err, scene->file, beam->line, "beam: port", beam->port, expected);
+    return cml_fail_field(
+        reader->err, scene->file, beam->line, "beam: port", beam->port,
+        CML_TEXT("a port with no line on top of it; line %d lies on top", scene->contacts[above - 1].line));
 }
 
-/* Checks every beam against the rest of the scene, when all lines are read. A rectangle that is to cover one
- * period of a tile gets its size here. */
 cml_status cml_mci_check_beams(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_beams; k++) {

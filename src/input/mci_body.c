@@ -31,13 +31,14 @@ static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
 static cml_status set_rough(const struct cml_mci_reader *reader, const char *owner, const char *value,
                             struct cml_rough_def *rough)
 {
-    char field[48], alpha[CML_KEY_TEXT], expected[CML_KEY_TEXT + 40];
-    snprintf(field, sizeof field, "%s: rough", owner);
-    snprintf(expected, sizeof expected, "ggx,ALPHA or beckmann,ALPHA, with ALPHA %s",
-             cml_key_expected(cml_keys_of(CML_KEYS_ROUGH), alpha));
+    char alpha[CML_KEY_TEXT];
+    const char *field = CML_TEXT("%s: rough", owner);
     if (rough->line) return cml_mci_fail(reader, field, value, "this option only once");
     rough->line = reader->text.line;
-    return cml_mci_parse_rough(value, rough) ? CML_OK : cml_mci_fail(reader, field, value, expected);
+    if (cml_mci_parse_rough(value, rough)) return CML_OK;
+    return cml_mci_fail(reader, field, value,
+                        CML_TEXT("ggx,ALPHA or beckmann,ALPHA, with ALPHA %s",
+                                 cml_key_expected(cml_keys_of(CML_KEYS_ROUGH), alpha)));
 }
 
 /* Takes the word rough=KIND,ALPHA out of the line of a sphere or a cylinder. Other words behind the numbers
@@ -47,15 +48,14 @@ static cml_status take_roughness(struct cml_mci_reader *reader, const char *owne
                                  struct cml_rough_def *rough)
 {
     static const char blank[] = " \t\r", key[] = "rough=";
-    char value[64], field[48];
-    snprintf(field, sizeof field, "%s: option", owner);
+    char value[64];
     for (char *word = reader->cursor; *(word += strspn(word, blank)) != '\0';) {
         const size_t length = strcspn(word, blank),
                      skip = strncmp(word, key, sizeof key - 1) == 0 ? sizeof key - 1 : 0;
         snprintf(value, sizeof value, "%.*s", (int)(length - skip), word + skip);
         if (skip) CML_TRY(set_rough(reader, owner, value, rough));
         if (!skip && (strchr(value, '=') || strcmp(value, "rough") == 0))
-            return cml_mci_fail(reader, field, value, "rough=KIND,ALPHA, or none");
+            return cml_mci_fail(reader, CML_TEXT("%s: option", owner), value, "rough=KIND,ALPHA, or none");
         if (skip) memset(word, ' ', length);
         word += length;
     }
@@ -67,14 +67,13 @@ static cml_status check_axis(const struct cml_mci_reader *reader, const char *ow
                              const struct cml_scene_body *body)
 {
     double length = 0, size = 0;
-    char field[64];
     for (int k = 0; k < 3; k++) {
         length = hypot(length, body->end[k] - body->centre[k]);
         size += fabs(body->end[k]) + fabs(body->centre[k]);
     }
     if (body->form != CML_BODY_CYLINDER || length > 1e-12 * size) return CML_OK;
-    snprintf(field, sizeof field, "%s: x2 y2 z2", owner);
-    return cml_mci_fail(reader, field, "those of the first end", "another point: the axis has no length");
+    return cml_mci_fail(reader, CML_TEXT("%s: x2 y2 z2", owner), "those of the first end",
+                        "another point: the axis has no length");
 }
 
 /* Options of the line of a body's mesh. */
@@ -126,9 +125,7 @@ static cml_status read_mesh(struct cml_mci_reader *reader, const char *owner, in
 static cml_status read_body(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
                             struct cml_medium_def *medium)
 {
-    char owner[32], field[48];
-    snprintf(owner, sizeof owner, "body %d", number);
-    snprintf(field, sizeof field, "%s: form", owner);
+    const char *owner = CML_TEXT("body %d", number);
     medium->line = reader->text.line;
     cml_mci_cut_comment(reader->cursor);
     reader->cursor += strspn(reader->cursor, " \t");
@@ -139,7 +136,7 @@ static cml_status read_body(struct cml_mci_reader *reader, int number, struct cm
     CML_TRY(take_roughness(reader, owner, &medium->rough));
     const char *word = cml_text_word(&reader->cursor);
     if (!word || (strcmp(word, "sphere") != 0 && strcmp(word, "cylinder") != 0))
-        return cml_mci_fail(reader, field, word,
+        return cml_mci_fail(reader, CML_TEXT("%s: form", owner), word,
                             "sphere, cylinder, or an " CML_MESH_FILE_ENDINGS " file in a pair of quotes");
     const bool round = word[0] == 's';
     body->form = round ? CML_BODY_SPHERE : CML_BODY_CYLINDER;
@@ -149,8 +146,6 @@ static cml_status read_body(struct cml_mci_reader *reader, int number, struct cm
     return check_axis(reader, owner, body);
 }
 
-/* Reads a body inside layer `layer` with its optical properties. Its host is first assumed to be the layer;
- * a body around it may be found later. */
 cml_status cml_mci_body(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
 {
     CML_TRY(grow(reader, scene));

@@ -21,7 +21,7 @@ struct samples {
     struct cml_mci_reader *reader;
     struct cml_text file; /* file.data NULL: the numbers stand in the .mci file */
     char *cursor;
-    char owner[32];
+    const char *owner;
     double *values; /* h0 s0 h1 s1 ... (height, spacing), as many as read */
     size_t num_values;
     double radius; /* radius of the last sample read, cm */
@@ -32,9 +32,8 @@ struct samples {
 static cml_status fail_sample(const struct samples *samples, const char *field, const char *value,
                               const char *expected)
 {
-    char name[80];
-    snprintf(name, sizeof name, "%s: %s", samples->owner, field);
-    if (!samples->file.data) return cml_mci_fail(samples->reader, name, value, expected);
+    if (!samples->file.data)
+        return cml_mci_fail(samples->reader, CML_TEXT("%s: %s", samples->owner, field), value, expected);
     return cml_fail_field(samples->reader->err, samples->file.path, samples->file.line, field, value,
                           expected);
 }
@@ -66,10 +65,8 @@ static cml_status append(struct samples *samples, double value)
 static cml_status fail_number(const struct samples *samples, size_t i, int n, const char *word,
                               const char *expected)
 {
-    char name[32], total[96];
-    snprintf(name, sizeof name, "%c%zu", i % 2 == 0 ? 'h' : 's', i / 2);
-    snprintf(total, sizeof total, "2*n = %zu numbers after n, found %zu", 2 * (size_t)n, i);
-    return fail_sample(samples, name, word, word ? expected : total);
+    return fail_sample(samples, CML_TEXT("%c%zu", i % 2 == 0 ? 'h' : 's', i / 2), word,
+                       word ? expected : CML_TEXT("2*n = %zu numbers after n, found %zu", 2 * (size_t)n, i));
 }
 
 /* Reads number i of the 2n numbers of a radial heightfield: height and spacing in turn. A spacing too small
@@ -113,9 +110,8 @@ static cml_status read_samples(struct samples *samples, int *n)
     for (size_t i = 0; i < 2 * (size_t)*n; i++) CML_TRY(read_number(samples, i, *n));
     word = next_word(samples);
     if (!word || (!in_file && !cml_parse_double(word, &surplus))) return CML_OK;
-    char expected[80];
-    snprintf(expected, sizeof expected, "the end, because n = %d takes %zu numbers", *n, 2 * (size_t)*n);
-    return fail_sample(samples, "number after the last spacing", word, expected);
+    return fail_sample(samples, "number after the last spacing", word,
+                       CML_TEXT("the end, because n = %d takes %zu numbers", *n, 2 * (size_t)*n));
 }
 
 /* Makes the radial heightfield of a boundary from the file's pairs "height, spacing": the radius of a sample
@@ -125,10 +121,8 @@ static cml_status sum_radii(const struct samples *samples, struct cml_boundary *
 {
     const size_t n = samples->num_values / 2;
     struct cml_radial *radial = &boundary->radial;
-    radial->r = malloc(n * sizeof *radial->r);
-    radial->h = malloc(n * sizeof *radial->h);
-    if (!radial->r || !radial->h)
-        return cml_fail_memory(samples->reader->err, (double)(2 * n * sizeof(double)), "a heightfield");
+    CML_TRY(cml_zeros(&radial->r, n, sizeof *radial->r, "a heightfield", samples->reader->err));
+    CML_TRY(cml_zeros(&radial->h, n, sizeof *radial->h, "a heightfield", samples->reader->err));
     radial->n = (int)n;
     double r = 0;
     for (size_t i = 0; i < n; i++) {
@@ -162,9 +156,8 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
 /* Reads a heightfield: first all numbers, then, once all are known to be right, its radii and heights. */
 static cml_status read_radial(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
-    struct samples samples = {.reader = reader};
+    struct samples samples = {.reader = reader, .owner = CML_TEXT("boundary %d", index)};
     CML_TRY(cml_mci_set_scaling(reader, index, &boundary->scale, &boundary->height));
-    snprintf(samples.owner, sizeof samples.owner, "boundary %d", index);
     boundary->form = CML_FORM_RADIAL;
     int n = 0;
     cml_status status = open_samples(&samples, boundary);
@@ -197,12 +190,12 @@ static cml_status check_seam(const struct cml_mci_line *line, const struct cml_b
 {
     const struct cml_tile_notes *notes = &boundary->tile_notes;
     const double err_height = 1e-6 * (notes->relief.highest - notes->relief.lowest);
-    char value[120];
     for (int k = 0; k < 2; k++) {
-        if (notes->seam[k] <= notes->inside[k] + err_height) continue;
-        snprintf(value, sizeof value, "a step of %g cm across the seam along %c, %g cm inside",
-                 notes->seam[k], "xy"[k], notes -> inside[k]);
-        if (notes->seam[k] > 3 * notes->inside[k] + err_height)
+        const double step = notes->seam[k], inside = notes->inside[k];
+        if (step <= inside + err_height) continue;
+        const char *value =
+            CML_TEXT("a step of %g cm across the seam along %c, %g cm inside", step, "xy"[k], inside);
+        if (step > 3 * inside + err_height)
             return cml_mci_fail_option(line, "tile", value,
                                        "at most three times the largest step inside; tile=mirror repeats any "
                                        "map, tile=as-is this one");
@@ -258,18 +251,15 @@ static cml_status read_heightmap(const struct cml_mci_line *line, enum cml_mci_m
     const struct cml_input_options *input = line->reader->options;
     struct cml_error *err = line->reader->err;
     const double unit = cml_mci_saw(line, "units") ? given->unit : 0;
-    struct cml_heightmap map;
+    CML_AT_END(cml_heightmap_clear) struct cml_heightmap map = {0};
     CML_TRY(check_heightmap_options(line, given));
     CML_TRY((kind == CML_MCI_FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit,
                                                                       &map, err));
     for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= given->height;
     cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
-    const cml_status status = tiling == TILE_NONE
-                                  ? cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget,
-                                                       &boundary->mesh, &boundary->map_notes, err)
-                                  : make_tile(line, tiling, given, &map, boundary);
-    cml_heightmap_clear(&map);
-    return status;
+    if (tiling != TILE_NONE) return make_tile(line, tiling, given, &map, boundary);
+    return cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget, &boundary->mesh,
+                              &boundary->map_notes, err);
 }
 
 /* ---- the options of an m line ---- */
@@ -322,14 +312,13 @@ static cml_status set_m_option(struct cml_mci_line *line)
 static cml_status make_relief(const struct cml_mci_line *line, const struct cml_random_relief *relief,
                               const struct cml_mesh_file_options *obj, struct cml_boundary *boundary)
 {
-    struct cml_heightmap map;
+    CML_AT_END(cml_heightmap_clear) struct cml_heightmap map = {0};
     CML_TRY(cml_random_relief_make(relief, &map, line->reader->err));
     for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= obj->height;
     cml_heightmap_place(&map, obj->scale, obj->shift, false);
-    const cml_status status = make_tile(line, TILE_PERIODIC, obj, &map, boundary);
-    if (status == CML_OK) cml_random_relief_measure(&boundary->tile, &boundary->tile_notes.drawn);
-    cml_heightmap_clear(&map);
-    return status;
+    CML_TRY(make_tile(line, TILE_PERIODIC, obj, &map, boundary));
+    cml_random_relief_measure(&boundary->tile, &boundary->tile_notes.drawn);
+    return CML_OK;
 }
 
 /* Reads the rest of a line `m gaussian`: the numbers of a random relief, and the word tile. */
@@ -373,12 +362,11 @@ static cml_status read_mesh(struct cml_mci_line *line, int index, const char *na
 /* Reads an `m` line: a boundary that is a mesh, a heightmap or a random relief (`gaussian`). */
 static cml_status read_m(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
-    char owner[32];
     struct m_line m = {.obj = {.unit = 1, .scale = 1, .height = 1, .budget = reader->options->budget},
                        .relief = {.points = 512, .seed = 1},
                        .tiling = TILE_NONE};
-    struct cml_mci_line line = {.reader = reader, .owner = owner, .own = set_m_option, .context = &m};
-    snprintf(owner, sizeof owner, "boundary %d", index);
+    struct cml_mci_line line = {
+        .reader = reader, .owner = CML_TEXT("boundary %d", index), .own = set_m_option, .context = &m};
     m.obj.budget.file = reader->text.path;
     m.obj.budget.line = reader->text.line;
     m.obj.budget.boundary = index;
@@ -395,24 +383,19 @@ static cml_status read_m(struct cml_mci_reader *reader, int index, struct cml_bo
 static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                 struct cml_boundary *boundary)
 {
-    char owner[32];
-    snprintf(owner, sizeof owner, "boundary %d", index);
     const cml_status status =
         kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_m(reader, index, boundary);
-    return cml_mci_name_line(reader, owner, boundary->file, status);
+    return cml_mci_name_line(reader, CML_TEXT("boundary %d", index), boundary->file, status);
 }
 
-/* Reads a line `b` or `m` with the shape of boundary number `index`. A boundary has one shape. With
- * options->flat the shape is checked and dropped. */
+/* A boundary has one shape. With options->flat the shape is checked and dropped. */
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                             struct cml_boundary *boundary)
 {
-    if (boundary->line > 0) {
-        char expected[96];
-        snprintf(expected, sizeof expected, "one line for boundary %d, which already has line %d", index,
-                 boundary->line);
-        return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
-    }
+    if (boundary->line > 0)
+        return cml_mci_fail(
+            reader, "line", cml_mci_raw(reader),
+            CML_TEXT("one line for boundary %d, which already has line %d", index, boundary->line));
     boundary->line = reader->text.line;
     boundary->scale = boundary->height = 1;
     CML_TRY(cml_share_begin(&boundary->users, reader->err));

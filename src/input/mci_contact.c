@@ -45,14 +45,15 @@ static cml_status read_face(const struct cml_mci_line *line, const char *word,
     static const char *const laws[] = {"mirror", "lambertian"};
     struct cml_mci_reader *reader = line->reader;
     const struct cml_key *R = cml_keys_of(CML_KEYS_FACE);
-    char expected[CML_KEY_TEXT], either[CML_KEY_TEXT + 90];
+    char expected[CML_KEY_TEXT];
     contact->face.kind = CML_BACKING_METAL;
     if (word && strcmp(word, "metal") == 0)
         return cml_mci_leading_numbers(reader, line->owner, CML_KEY_PARTS({CML_KEYS_FACE_METAL, contact}));
-    snprintf(either, sizeof either, "%s, or metal N K%s", cml_key_expected(R, expected),
-             contact->whole ? ", behind disk R, ring R1 R2, rectangle W H or no shape" : "");
     if (!word || !cml_key_parse(R, word, &contact->face.R))
-        return cml_mci_fail_option(line, cml_key_shown(R), word, either);
+        return cml_mci_fail_option(
+            line, cml_key_shown(R), word,
+            CML_TEXT("%s, or metal N K%s", cml_key_expected(R, expected),
+                     contact->whole ? ", behind disk R, ring R1 R2, rectangle W H or no shape" : ""));
     char *next = reader->cursor + strspn(reader->cursor, " \t\r");
     contact->face.kind = CML_BACKING_MIRROR;
     if (!*next || next[strcspn(next, "= \t\r")] == '=') return CML_OK;
@@ -132,11 +133,9 @@ static int port_of(const struct cml_scene *scene, const char *name)
 cml_status cml_mci_find_port(const struct cml_mci_reader *reader, const struct cml_scene *scene,
                              const char *name, const char *owner, const char *file, int line, int *contact)
 {
-    char field[32];
     *contact = name ? port_of(scene, name) : 0;
     if (!name || *contact) return CML_OK;
-    snprintf(field, sizeof field, "%s: port", owner);
-    return cml_fail_field(reader->err, file, line, field, name,
+    return cml_fail_field(reader->err, file, line, CML_TEXT("%s: port", owner), name,
                           "the name or number of a port line, which stands before layer 1");
 }
 
@@ -144,14 +143,12 @@ cml_status cml_mci_find_port(const struct cml_mci_reader *reader, const struct c
 static cml_status name_port(const struct cml_mci_reader *reader, struct cml_scene *scene, int k, int number)
 {
     struct cml_contact_def *port = &scene->contacts[k];
-    char text[16], expected[80];
-    snprintf(text, sizeof text, "%d", number);
-    if (!port->name) CML_TRY(cml_text_copy(text, &port->name, reader->err));
+    if (!port->name) CML_TRY(cml_text_copy(CML_TEXT("%d", number), &port->name, reader->err));
     const int first = port_of(scene, port->name) - 1;
     if (first == k) return CML_OK;
-    snprintf(expected, sizeof expected, "another name than that of the port in line %d",
-             scene->contacts[first].line);
-    return cml_fail_field(reader->err, scene->file, port->line, "port: name", port->name, expected);
+    return cml_fail_field(
+        reader->err, scene->file, port->line, "port: name", port->name,
+        CML_TEXT("another name than that of the port in line %d", scene->contacts[first].line));
 }
 
 /* Refuses a boundary 0 that is no smooth plane: only a plane touches a probe everywhere. */
@@ -197,16 +194,15 @@ static cml_status check_walls(const struct cml_mci_reader *reader, const struct 
 
 cml_status cml_mci_end_contacts(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    char value[80];
     int ports = 0;
     if (scene->num_contacts == 0) return CML_OK;
     CML_TRY(check_plane(reader, scene));
     for (int k = 0; k < scene->num_contacts; k++) {
         const struct cml_contact_def *contact = &scene->contacts[k];
-        snprintf(value, sizeof value, "%g %g", contact->size[0], contact->size[1]);
         if (contact->ring && contact->size[0] >= contact->size[1])
             return cml_fail_field(reader->err, scene->file, contact->line,
-                                  contact->port ? "port: r1 r2" : "face: r1 r2", value, "r1 < r2");
+                                  contact->port ? "port: r1 r2" : "face: r1 r2",
+                                  CML_TEXT("%g %g", contact->size[0], contact->size[1]), "r1 < r2");
         if (contact->port) CML_TRY(name_port(reader, scene, k, ++ports));
     }
     return check_walls(reader, scene);

@@ -25,8 +25,6 @@ static const struct {
               {"port", CML_DETECTOR_PORT, CML_KEYS_NONE}};
 enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
 
-/* Lists which groups of keys of a detector may be set: it depends on its shape and on whether it looks in
- * one direction. */
 void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_part *part)
 {
     int s = detector->ring ? 1 : 0;
@@ -42,10 +40,8 @@ void cml_mci_detector_parts(struct cml_detector_def *detector, struct cml_key_pa
 /* Refuses a ring whose inner radius is not smaller than its outer one. */
 static cml_status check_radii(const struct cml_mci_line *line, const double *radius)
 {
-    char value[80];
     if (radius[0] < radius[1]) return CML_OK;
-    snprintf(value, sizeof value, "%g %g", radius[0], radius[1]);
-    return cml_mci_fail_option(line, "r1 r2", value, "r1 < r2");
+    return cml_mci_fail_option(line, "r1 r2", CML_TEXT("%g %g", radius[0], radius[1]), "r1 < r2");
 }
 
 /* Reads the shape of a detector and its numbers. word: the name of the shape. */
@@ -147,7 +143,6 @@ static cml_status read_rows(struct cml_mci_reader *rows, void *context)
                : cml_mci_fail(rows, "rows", "0", "a detector in each, one at least");
 }
 
-/* Reads a line `detector`, or a file of such lines. */
 cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     struct table table = {reader, scene};
@@ -186,11 +181,10 @@ static cml_status fail_detector(const struct cml_mci_reader *reader, const struc
 static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene *scene, int k)
 {
     struct cml_detector_def *detector = &scene->detectors[k];
-    char number[16], value[80];
     if (!detector->at_z) detector->z = scene->boundaries[detector->below ? scene->num_layers : 0].z;
-    snprintf(value, sizeof value, "%g %g", detector->size[0], detector->size[1]);
     if (detector->shape == CML_DETECTOR_RING && detector->size[0] >= detector->size[1])
-        return fail_detector(reader, scene, k, "detector: r1 r2", value, "r1 < r2");
+        return fail_detector(reader, scene, k, "detector: r1 r2",
+                             CML_TEXT("%g %g", detector->size[0], detector->size[1]), "r1 < r2");
     CML_TRY(cml_mci_find_port(reader, scene, detector->port, "detector", file_of(scene, detector),
                               line_of(detector), &detector->contact));
     if (detector->contact) {
@@ -200,9 +194,9 @@ static cml_status fill_in(const struct cml_mci_reader *reader, struct cml_scene 
         detector->x = port->x;
         detector->y = port->y;
     }
-    snprintf(number, sizeof number, "%d", k + 1);
-    if (detector->port && !detector->name) return cml_text_copy(detector->port, &detector->name, reader->err);
-    return detector->name ? CML_OK : cml_text_copy(number, &detector->name, reader->err);
+    if (detector->name) return CML_OK;
+    return cml_text_copy(detector->port ? detector->port : CML_TEXT("%d", k + 1), &detector->name,
+                         reader->err);
 }
 
 /* Makes the group of detector k, behind all other detectors. */
@@ -252,41 +246,36 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
 {
     if (scene->num_detectors < 2) return CML_OK;
     const size_t n = (size_t)scene->num_detectors;
-    const struct cml_detector_def **sorted = malloc(n * sizeof *sorted);
-    if (!sorted) return cml_fail_memory(reader->err, (double)(n * sizeof *sorted), "detectors");
+    CML_FREED const struct cml_detector_def **sorted = NULL;
+    CML_TRY(cml_zeros(&sorted, n, sizeof *sorted, "detectors", reader->err));
     for (size_t i = 0; i < n; i++) sorted[i] = &scene->detectors[i];
     qsort(sorted, n, sizeof *sorted, compare_names);
-    cml_status status = CML_OK;
-    for (size_t i = 1; status == CML_OK && i < n; i++) {
+    for (size_t i = 1; i < n; i++) {
         const struct cml_detector_def *first = sorted[i - 1];
-        char expected[400];
         if (strcmp(first->name, sorted[i]->name) != 0) continue;
-        snprintf(expected, sizeof expected, "another name than that of the detector in line %d%s%.300s",
-                 line_of(first), first->table ? " of " : "", first->table ? first->table : "");
-        status = fail_detector(reader, scene, (int)(sorted[i] - scene->detectors),
-                               sorted[i]->shape == CML_DETECTOR_GROUP ? "detector: group" : "detector: name",
-                               sorted[i]->name, expected);
+        return fail_detector(
+            reader, scene, (int)(sorted[i] - scene->detectors),
+            sorted[i]->shape == CML_DETECTOR_GROUP ? "detector: group" : "detector: name", sorted[i]->name,
+            CML_TEXT("another name than that of the detector in line %d%s%.300s", line_of(first),
+                     first->table ? " of " : "", first->table ? first->table : ""));
     }
-    free(sorted);
-    return status;
+    return CML_OK;
 }
 
-/* Completes all detectors when all lines are read, and refuses two of one name, or more than 2^30 pixels in
- * all. Each pixel needs a sum and a sum of squares, hence 2^31 cells at most. */
+/* Each pixel needs a sum and a sum of squares, hence 2^31 cells at most. */
 cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const double most = 2147483648.0;
     double pixels = 0;
-    char value[64];
     if (scene->num_detectors == 0) return CML_OK;
     for (int k = 0; k < cml_num_areas(scene); k++) {
         CML_TRY(fill_in(reader, scene, k));
         CML_TRY(join_group(reader, scene, k));
         const struct cml_detector_def *detector = &scene->detectors[k];
         if (detector->shape == CML_DETECTOR_MAP) pixels += 2.0 * detector->nx * detector->ny;
-        snprintf(value, sizeof value, "%d %d", detector->nx, detector->ny);
         if (pixels > most)
-            return fail_detector(reader, scene, k, "detector: nx ny", value,
+            return fail_detector(reader, scene, k, "detector: nx ny",
+                                 CML_TEXT("%d %d", detector->nx, detector->ny),
                                  "at most 2^30 pixels in all detectors together");
     }
     return check_names(reader, scene);
@@ -315,23 +304,20 @@ cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const stru
 {
     const double bins = (scene->nr + 1.0) * (scene->nz + 2.0), most = 67108863;
     const double gated = (double)scene->nr * scene->nz * scene->time.gates, most_gated = 1048576;
-    char value[64];
     if (scene->fluence.times && scene->time.gates == 0)
         return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence", "time",
                               "a time line in the same run");
-    if (scene->fluence.times && gated > most_gated) {
-        snprintf(value, sizeof value, "%d %d %d", scene->nz, scene->nr, scene->time.gates);
+    if (scene->fluence.times && gated > most_gated)
         return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence time: nz nr gates",
-                              value, "at most 1048576 bins of r, z and time, nz times nr times gates");
-    }
-    if (scene->time.radii && (scene->nr + 1.0) * (scene->time.gates + 1.0) > most) {
-        snprintf(value, sizeof value, "%d %d", scene->nr, scene->time.gates);
-        return cml_fail_field(reader->err, scene->file, scene->time.line, "time: nr gates", value,
+                              CML_TEXT("%d %d %d", scene->nz, scene->nr, scene->time.gates),
+                              "at most 1048576 bins of r, z and time, nz times nr times gates");
+    if (scene->time.radii && (scene->nr + 1.0) * (scene->time.gates + 1.0) > most)
+        return cml_fail_field(reader->err, scene->file, scene->time.line, "time: nr gates",
+                              CML_TEXT("%d %d", scene->nr, scene->time.gates),
                               "at most 67108863 bins, (nr + 1) times (gates + 1)");
-    }
     if (!scene->fluence.line || bins <= most) return CML_OK;
-    snprintf(value, sizeof value, "%d %d", scene->nz, scene->nr);
-    return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence: nz nr", value,
+    return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence: nz nr",
+                          CML_TEXT("%d %d", scene->nz, scene->nr),
                           "at most 67108863 bins, (nz + 2) times (nr + 1)");
 }
 
@@ -369,9 +355,8 @@ cml_status cml_mci_check_map(const struct cml_mci_reader *reader, const struct c
                           (scene->facets ? CML_FACET_SCORES * (scene->num_layers + 1.0) : 0);
     const double cells = pixels * (4.0 * (map->angles ? scene->na : 1) + layers);
     if (cells <= most) return CML_OK;
-    char value[64], expected[120];
-    snprintf(value, sizeof value, "%d %d", map->nx, map->ny);
-    snprintf(expected, sizeof expected, "at most 2^31 cells in maps and volume together, not %.3g (%.3g GiB)",
-             cells, cells * 24 / 1073741824.0);
-    return cml_fail_field(reader->err, scene->file, map->line, "map: nx ny", value, expected);
+    return cml_fail_field(reader->err, scene->file, map->line, "map: nx ny",
+                          CML_TEXT("%d %d", map->nx, map->ny),
+                          CML_TEXT("at most 2^31 cells in maps and volume together, not %.3g (%.3g GiB)",
+                                   cells, cells * 24 / 1073741824.0));
 }

@@ -7,7 +7,6 @@
 
 static const char blanks[] = " \t\v\f\r";
 
-/* Opens a .mci file: reads it whole, and stands before the first line. */
 cml_status cml_mci_open(const char *path, const struct cml_input_options *options,
                         struct cml_mci_reader *reader, struct cml_error *err)
 {
@@ -22,7 +21,6 @@ void cml_mci_close(struct cml_mci_reader *reader)
     *reader = (struct cml_mci_reader){0};
 }
 
-/* Forgets the lines kept so far: a new run begins. */
 void cml_mci_forget(struct cml_mci_reader *reader)
 {
     reader->kept_size = 0;
@@ -39,8 +37,6 @@ char *cml_mci_take_kept(struct cml_mci_reader *reader)
     return kept;
 }
 
-/* Returns the place in a line where a word begins with `key`, or NULL. A match inside another word does not
- * count. */
 char *cml_mci_find_word(char *line, const char *key)
 {
     char *found = strstr(line, key);
@@ -48,7 +44,6 @@ char *cml_mci_find_word(char *line, const char *key)
     return found;
 }
 
-/* Returns the text of the current line as it stands in the file. */
 const char *cml_mci_raw(const struct cml_mci_reader *reader)
 {
     return reader->kept + reader->kept_last;
@@ -108,8 +103,6 @@ const struct cml_mci_keyword cml_mci_keywords[CML_MCI_KEYWORDS] = {
     [CML_MCI_DETECTOR] = {"detector", OF_RUN("detector"), "disk ring rectangle map port"},
     [CML_MCI_PHOTONS] = {"photons", OF_RUN("photons"), "\""}};
 
-/* Returns the keyword that a line's first word resembles, for a hint in messages; NULL if it resembles none,
- * or is a number. */
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
 {
     struct cml_guess guess = {.word = reader->cursor, .length = strcspn(reader->cursor, blanks)};
@@ -159,10 +152,8 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
                      reader->cursor + 1);
 }
 
-/* Goes to the next line that is neither blank nor a comment, sets the cursor to its text, and says in *kind
- * what the line is. Lines marked with #@ are keyword lines that original MCML takes for comments. keywords:
- * unmarked lines may begin with a keyword, too. The text of the line is kept, because it decides the
- * result. */
+/* Lines marked with #@ are keyword lines that original MCML takes for comments. The text of the line is kept,
+ * because it decides the result. */
 cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind)
 {
     char *line = NULL;
@@ -182,7 +173,6 @@ cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_m
     return CML_OK;
 }
 
-/* Ends a line at its comment. A '#' inside quotes belongs to a file name. */
 void cml_mci_cut_comment(char *text)
 {
     bool quoted = false;
@@ -193,15 +183,12 @@ void cml_mci_cut_comment(char *text)
     }
 }
 
-/* Refuses a value in the current line. */
 cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field, const char *value,
                         const char *expected)
 {
     return cml_fail_field(reader->err, reader->text.path, reader->text.line, field, value, expected);
 }
 
-/* Puts "FILE:LINE: OWNER: " before an error message about a file that the line names, because the mistake
- * may be in the line. Returns `status`. */
 cml_status cml_mci_name_line(const struct cml_mci_reader *reader, const char *owner, const char *file,
                              cml_status status)
 {
@@ -211,7 +198,6 @@ cml_status cml_mci_name_line(const struct cml_mci_reader *reader, const char *ow
                     why.text);
 }
 
-/* Sends a note about a line of the scene to the user. */
 void cml_mci_note(const struct cml_mci_reader *reader, int line, const char *format, ...)
 {
     const struct cml_input_options *options = reader->options;
@@ -225,16 +211,14 @@ void cml_mci_note(const struct cml_mci_reader *reader, int line, const char *for
     options->on_note(options->context, text);
 }
 
-/* Refuses a word as the value of a key and tells the range of the key. */
 cml_status cml_mci_fail_key(const struct cml_mci_reader *reader, const char *owner, const struct cml_key *key,
                             const char *word)
 {
-    char name[80], expected[CML_KEY_TEXT];
-    snprintf(name, sizeof name, "%s%s%s", owner ? owner : "", owner ? ": " : "", cml_key_shown(key));
-    return cml_mci_fail(reader, name, word, cml_key_expected(key, expected));
+    char expected[CML_KEY_TEXT];
+    return cml_mci_fail(reader, CML_TEXT("%s%s%s", owner ? owner : "", owner ? ": " : "", cml_key_shown(key)),
+                        word, cml_key_expected(key, expected));
 }
 
-/* Reads the next word of a line as the value of `key`, and stores it in the struct at `base`. */
 cml_status cml_mci_number(struct cml_mci_reader *reader, const char *owner, const struct cml_key *key,
                           void *base)
 {
@@ -245,7 +229,6 @@ cml_status cml_mci_number(struct cml_mci_reader *reader, const char *owner, cons
     return CML_OK;
 }
 
-/* Reads the numbers that stand at fixed places at the beginning of a line, before options like key=value. */
 cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *owner,
                                    const struct cml_key_part *parts)
 {
@@ -285,27 +268,23 @@ cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner, con
     double surplus = 0;
     const char *word = cml_text_word(&reader->cursor), *before = owner ? owner : "",
                *colon = owner ? ": " : "";
-    char name[80];
-    if (word && is_other_unit(word)) {
-        snprintf(name, sizeof name, "%s%sunit", before, colon);
-        return cml_mci_fail(reader, name, word, "none: lengths are in cm, coefficients in 1/cm");
-    }
+    if (word && is_other_unit(word))
+        return cml_mci_fail(reader, CML_TEXT("%s%sunit", before, colon), word,
+                            "none: lengths are in cm, coefficients in 1/cm");
     if (!word || !cml_parse_double(word, &surplus)) return CML_OK;
     while (parts[1].group != CML_KEYS_NONE) parts++;
     const struct cml_key *last = cml_keys_of(parts->group);
     while (last[1].group == last->group) last++;
-    snprintf(name, sizeof name, "%s%snumber after %s", before, colon, cml_key_shown(last));
-    return cml_mci_fail(reader, name, word, "the end of the line or a comment");
+    return cml_mci_fail(reader, CML_TEXT("%s%snumber after %s", before, colon, cml_key_shown(last)), word,
+                        "the end of the line or a comment");
 }
 
-/* Refuses further words where the line should end; a comment is allowed. */
 cml_status cml_mci_end_line(struct cml_mci_reader *reader, const char *owner)
 {
     const char *word = cml_text_word(&reader->cursor);
     return word ? cml_mci_fail(reader, owner, word, "the end of the line or a comment") : CML_OK;
 }
 
-/* Goes to the next row of a table that is neither blank nor a comment; false at the end of the file. */
 bool cml_mci_next_row(struct cml_mci_reader *rows)
 {
     while ((rows->cursor = cml_text_next(&rows->text))) {
@@ -315,27 +294,21 @@ bool cml_mci_next_row(struct cml_mci_reader *rows)
     return false;
 }
 
-/* Reads a table from a file beside the scene. `read` reads all its rows; `expected` is what the line should
- * have named. */
 cml_status cml_mci_table(struct cml_mci_reader *reader, const char *owner, const char *name,
                          const char *expected, cml_status (*read)(struct cml_mci_reader *rows, void *context),
                          void *context)
 {
+    CML_AT_END(cml_mci_close)
     struct cml_mci_reader rows = {.options = reader->options, .err = reader->err};
-    char *path = NULL, field[64];
-    snprintf(field, sizeof field, "%s: file", owner);
-    if (!name || *name == '"' || *name == '\0') return cml_mci_fail(reader, field, name, expected);
+    CML_FREED char *path = NULL;
+    if (!name || *name == '"' || *name == '\0')
+        return cml_mci_fail(reader, CML_TEXT("%s: file", owner), name, expected);
     CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
     cml_status status = cml_text_read_table(reader->options->source, path, &rows.text, reader->err);
     if (status == CML_OK) status = read(&rows, context);
-    status = cml_mci_name_line(reader, owner, path, status);
-    cml_mci_close(&rows);
-    free(path);
-    return status;
+    return cml_mci_name_line(reader, owner, path, status);
 }
 
-/* Returns what a valid name of an output is, if this name is none; NULL if it is valid. Names must leave
- * room for endings like .map.vti. */
 const char *cml_mci_why_no_name(const char *name)
 {
     const char *slash = strrchr(name, '/');

@@ -62,7 +62,6 @@ static cml_status read_rows(struct cml_mci_reader *rows, void *context)
     return cml_text_copy(rows->text.path, &phase->file, rows->err);
 }
 
-/* Returns the group of keys of a phase function; CML_KEYS_NONE for none, or one without parameters. */
 enum cml_key_group cml_mci_phase_keys(const struct cml_phase *phase)
 {
     static const enum cml_key_group keys[CML_PHASE_KINDS] = {CML_KEYS_HG2, CML_KEYS_MHG, CML_KEYS_GK};
@@ -74,15 +73,13 @@ enum cml_key_group cml_mci_phase_keys(const struct cml_phase *phase)
 static cml_status read_phase(struct cml_mci_reader *reader, const char *owner_word, int number,
                              struct cml_phase *phase)
 {
-    char owner[48], field[64];
-    snprintf(owner, sizeof owner, "%s %d: phase", owner_word, number);
-    snprintf(field, sizeof field, "%s: kind", owner);
+    const char *owner = CML_TEXT("%s %d: phase", owner_word, number);
     cml_mci_cut_comment(reader->cursor);
     const char *word = cml_text_word(&reader->cursor);
     while (phase->kind < CML_PHASE_KINDS && (!word || strcmp(cml_phase_name(phase->kind), word) != 0))
         phase->kind++;
     if (phase->kind == CML_PHASE_KINDS)
-        return cml_mci_fail(reader, field, word, "hg2, mhg, gk, rayleigh or table");
+        return cml_mci_fail(reader, CML_TEXT("%s: kind", owner), word, "hg2, mhg, gk, rayleigh or table");
     CML_TRY(phase->kind == CML_PHASE_TABLE
                 ? cml_mci_table(reader, owner, cml_text_word(&reader->cursor),
                                 "the name of a file of angles and densities", read_rows, phase)
@@ -114,8 +111,6 @@ static cml_status share_phase(const struct cml_mci_reader *reader, struct cml_sc
     return CML_OK;
 }
 
-/* Reads a line `phase`, which gives the layer or body before it a phase function. Equal phase functions are
- * stored once. */
 cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
 {
     const int k = scene->num_bodies - 1;
@@ -123,8 +118,8 @@ cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_sc
     struct cml_medium_def *medium = &scene->media[body ? cml_body_medium(scene, k) : layer];
     if (medium->phase)
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one phase line for each layer and body");
-    struct cml_phase *phase = calloc(1, sizeof *phase);
-    if (!phase) return cml_fail_memory(reader->err, sizeof *phase, "a phase function");
+    struct cml_phase *phase;
+    CML_TRY(cml_zeros(&phase, 1, sizeof *phase, "a phase function", reader->err));
     phase->line = medium->phase_line = reader->text.line;
     cml_status status = cml_share_begin(&phase->users, reader->err);
     if (status == CML_OK) status = read_phase(reader, body ? "body" : "layer", body ? k + 1 : layer, phase);
@@ -146,8 +141,8 @@ cml_status cml_mci_own_phase(const struct cml_mci_reader *reader, struct cml_sce
     for (*own = scene->phases; *own != medium->phase;) *own = (*own)->next;
     for (int i = 0; i < media; i++) users += scene->media[i].phase == *own;
     if (users == 1) return CML_OK;
-    struct cml_phase *copy = malloc(sizeof *copy);
-    if (!copy) return cml_fail_memory(reader->err, sizeof *copy, "a phase function");
+    struct cml_phase *copy;
+    CML_TRY(cml_zeros(&copy, 1, sizeof *copy, "a phase function", reader->err));
     *copy = **own;
     *own = copy;
     cml_share(copy->users);
@@ -159,20 +154,16 @@ static cml_status check_absorption(const struct cml_mci_reader *reader, const st
                                    const char *owner_word, int number, const struct cml_medium_def *medium)
 {
     static const char expected[] = "0, or at least 1e-11 of mua + mus";
-    char name[CML_SETTING_NAME], field[48], value[32];
     const struct cml_settings *settings = reader->options->settings;
     const double mut = cml_medium_mut(medium);
     if (!(medium->mua > 0 && medium->mua < CML_LEAST_ABSORPTION * mut)) return CML_OK;
-    snprintf(name, sizeof name, "%s%d.mua", owner_word, number);
-    snprintf(field, sizeof field, "%s %d: mua", owner_word, number);
-    snprintf(value, sizeof value, "%g", medium->mua);
-    const struct cml_setting *mua = settings ? cml_settings_find(settings, name) : NULL;
-    if (settings && !mua && strcmp(owner_word, "layer") == 0) {
-        snprintf(name, sizeof name, "%s.mua", cml_layer_name(scene, number));
-        mua = cml_settings_find(settings, name);
-    }
-    return mua ? cml_setting_fail(mua, expected, reader->err)
-               : cml_fail_field(reader->err, scene->file, medium->line, field, value, expected);
+    const struct cml_setting *mua =
+        settings ? cml_settings_find(settings, CML_TEXT("%s%d.mua", owner_word, number)) : NULL;
+    if (settings && !mua && strcmp(owner_word, "layer") == 0)
+        mua = cml_settings_find(settings, CML_TEXT("%s.mua", cml_layer_name(scene, number)));
+    if (mua) return cml_setting_fail(mua, expected, reader->err);
+    return cml_fail_field(reader->err, scene->file, medium->line, CML_TEXT("%s %d: mua", owner_word, number),
+                          CML_TEXT("%g", medium->mua), expected);
 }
 
 /* Refuses a phase function whose mean cosine is not the medium's g. */
@@ -180,16 +171,12 @@ static cml_status check_mean(const struct cml_mci_reader *reader, const struct c
                              const char *owner_word, int number, const struct cml_medium_def *medium,
                              double mean)
 {
-    char field[64], value[32], expected[80];
     if (fabs(mean - medium->g) <= 1.0000001e-3) return CML_OK;
-    snprintf(field, sizeof field, "%s %d: phase: mean cosine", owner_word, number);
-    snprintf(value, sizeof value, "%.6g", mean);
-    snprintf(expected, sizeof expected, "the medium's g = %g to 1e-3", medium->g);
-    return cml_fail_field(reader->err, scene->file, medium->phase_line, field, value, expected);
+    return cml_fail_field(reader->err, scene->file, medium->phase_line,
+                          CML_TEXT("%s %d: phase: mean cosine", owner_word, number), CML_TEXT("%.6g", mean),
+                          CML_TEXT("the medium's g = %g to 1e-3", medium->g));
 }
 
-/* Checks all media when all numbers are known: that rounding does not lose the absorption, and that a
- * table's mean cosine fits g. */
 cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     double mean[CML_MOST_PHASES];
@@ -209,11 +196,9 @@ cml_status cml_mci_check_media(const struct cml_mci_reader *reader, const struct
 
 /* ---- backing: the surface under the last boundary ---- */
 
-/* Reads a line `backing`, the surface under the last boundary: a metal of complex index, or a mirror or
- * Lambertian reflector of reflectance R. */
 cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing)
 {
-    char expected[CML_KEY_TEXT], either[CML_KEY_TEXT + 20];
+    char expected[CML_KEY_TEXT];
     const struct cml_key *R = cml_keys_of(CML_KEYS_BACKING);
     if (backing->kind != CML_BACKING_NONE)
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one backing line");
@@ -225,9 +210,9 @@ cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def
         CML_TRY(cml_mci_leading_numbers(reader, "backing", CML_KEY_PARTS({CML_KEYS_METAL, backing})));
         return cml_mci_end_line(reader, "backing");
     }
-    snprintf(either, sizeof either, "%s, or metal N K", cml_key_expected(R, expected));
     if (!word || !cml_key_parse(R, word, &backing->R))
-        return cml_mci_fail(reader, "backing: R", word, either);
+        return cml_mci_fail(reader, "backing: R", word,
+                            CML_TEXT("%s, or metal N K", cml_key_expected(R, expected)));
     word = cml_text_word(&reader->cursor);
     const bool diffuse = word && strcmp(word, "lambertian") == 0;
     if (word && !diffuse && strcmp(word, "mirror") != 0)
@@ -248,7 +233,6 @@ static bool set_rough_kind(const char *name, struct cml_rough_def *rough)
     return which >= 0;
 }
 
-/* Reads the roughness of a body, as in rough=ggx,0.2; false if it is invalid. */
 bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
 {
     char name[16];
@@ -259,21 +243,18 @@ bool cml_mci_parse_rough(const char *text, struct cml_rough_def *rough)
            cml_key_parse(cml_keys_of(CML_KEYS_ROUGH), text + length + 1, &rough->alpha);
 }
 
-/* Reads a line `rough` of boundary number `index`: the distribution of facet slopes and its width alpha. */
 cml_status cml_mci_rough_line(struct cml_mci_reader *reader, int index, struct cml_rough_def *rough)
 {
-    char field[48], expected[96];
-    snprintf(field, sizeof field, "boundary %d: rough", index);
-    snprintf(expected, sizeof expected, "one rough line for boundary %d, which already has line %d", index,
-             rough->line);
-    if (rough->line > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
+    const char *owner = CML_TEXT("boundary %d", index);
+    if (rough->line > 0)
+        return cml_mci_fail(reader, "line", cml_mci_raw(reader),
+                            CML_TEXT("one rough line for %s, which already has line %d", owner, rough->line));
     cml_mci_cut_comment(reader->cursor);
     const char *name = cml_text_word(&reader->cursor);
-    if (!set_rough_kind(name, rough)) return cml_mci_fail(reader, field, name, "ggx or beckmann");
-    snprintf(field, sizeof field, "boundary %d", index);
-    CML_TRY(cml_mci_leading_numbers(reader, field, CML_KEY_PARTS({CML_KEYS_ROUGH, rough})));
-    snprintf(field, sizeof field, "boundary %d: rough alpha", index);
-    CML_TRY(cml_mci_end_line(reader, field));
+    if (!set_rough_kind(name, rough))
+        return cml_mci_fail(reader, CML_TEXT("%s: rough", owner), name, "ggx or beckmann");
+    CML_TRY(cml_mci_leading_numbers(reader, owner, CML_KEY_PARTS({CML_KEYS_ROUGH, rough})));
+    CML_TRY(cml_mci_end_line(reader, CML_TEXT("%s: rough alpha", owner)));
     rough->line = reader->text.line;
     return CML_OK;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "input/mci_mesh.h"
 
-/* Reads the unit of length of a mesh file and stores the unit in cm. */
 cml_status cml_mci_mesh_units(const struct cml_mci_line *line, struct cml_mesh_file_options *obj)
 {
     static const char *const units[] = {"cm", "mm", "um", "m"};

@@ -6,22 +6,17 @@
 
 #include <string.h>
 
-/* Refuses a value of an option in the current line; the field is named "OWNER: FIELD". */
 cml_status cml_mci_fail_option(const struct cml_mci_line *line, const char *field, const char *value,
                                const char *expected)
 {
-    char name[80];
-    snprintf(name, sizeof name, "%s: %s", line->owner, field);
-    return cml_mci_fail(line->reader, name, value, expected);
+    return cml_mci_fail(line->reader, CML_TEXT("%s: %s", line->owner, field), value, expected);
 }
 
-/* Refuses the value of the option that was read last. */
 cml_status cml_mci_fail_value(const struct cml_mci_line *line, const char *expected)
 {
     return cml_mci_fail_option(line, line->key->name, line->value, expected);
 }
 
-/* Returns the value that the line gave for an option, or NULL if it did not. */
 const char *cml_mci_saw(const struct cml_mci_line *line, const char *name)
 {
     for (int i = 0; i < line->num_seen; i++)
@@ -42,21 +37,8 @@ static cml_status fail_unknown(const struct cml_mci_line *line, const char *word
                             own ? key->noun : key->name, own || key->type == CML_KEY_FLAG ? "" : "=");
         }
     if (last == list || strstr(last, " or ")) return cml_mci_fail_option(line, "option", word, list);
-    char expected[220];
-    snprintf(expected, sizeof expected, "%.*s or %s", (int)(last - list), list, last + 2);
-    return cml_mci_fail_option(line, "option", word, expected);
-}
-
-/* Returns the index of a value among the words of its key; -1: none of them. */
-static int which_word(const char *words, const char *value)
-{
-    const size_t length = strlen(value);
-    for (int i = 0; *words; i++) {
-        const size_t own = strcspn(words, " ");
-        if (own == length && memcmp(words, value, own) == 0) return i;
-        words += own + strspn(words + own, " ");
-    }
-    return -1;
+    return cml_mci_fail_option(line, "option", word,
+                               CML_TEXT("%.*s or %s", (int)(last - list), list, last + 2));
 }
 
 /* Stores the value of the option that was read last in the struct member that its key names, by the key's
@@ -75,7 +57,7 @@ static cml_status take_value(struct cml_mci_line *line, void *base)
     else if (key->type == CML_KEY_XY || key->type == CML_KEY_XYZ)
         sound = cml_mci_parse_list(line->value, key->type == CML_KEY_XY ? 2 : 3, member);
     else if (key->type == CML_KEY_WORD)
-        *(int *)member = word = which_word(key->noun, line->value);
+        *(int *)member = word = cml_word_index(key->noun, line->value);
     else if ((sound = cml_key_parse(key, line->value, &number)))
         cml_key_store(key, base, number);
     return sound && word >= 0 ? CML_OK : cml_mci_fail_value(line, cml_key_expected(key, expected));
@@ -108,15 +90,12 @@ static cml_status take_option(struct cml_mci_line *line, char *word)
     return fail_unknown(line, word);
 }
 
-/* Reads all options key=value up to the end of the line. */
 cml_status cml_mci_options(struct cml_mci_line *line)
 {
     for (char *word; (word = cml_text_word(&line->reader->cursor));) CML_TRY(take_option(line, word));
     return CML_OK;
 }
 
-/* Reads `count` numbers with commas between and no blanks, like "0.1,2". Returns false for anything else, or
- * a number out of range. */
 bool cml_mci_parse_list(const char *text, int count, double *values)
 {
     static const struct cml_key length = {.least = -CML_MCI_HUGE, .most = CML_MCI_HUGE};
@@ -146,14 +125,13 @@ cml_status cml_mci_take_name(const struct cml_mci_line *line, char **name)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
     const char *word = line->value;
-    char expected[80];
     const size_t size = strlen(word);
     if (size == 0 || size >= CML_DETECTOR_NAME || strspn(word, letters) < size)
         return cml_mci_fail_value(line, line->key->noun);
     const char *ending = cml_quantity_ending(word);
     if (!ending) return cml_text_copy(word, name, line->reader->err);
-    snprintf(expected, sizeof expected, "a name that does not end in %s, as names of results do", ending);
-    return cml_mci_fail_value(line, expected);
+    return cml_mci_fail_value(line,
+                              CML_TEXT("a name that does not end in %s, as names of results do", ending));
 }
 
 cml_status cml_mci_take_port(const struct cml_mci_line *line, char **name)

@@ -28,11 +28,10 @@ static cml_status set(const struct cml_mci_reader *reader, const struct cml_sett
 cml_status cml_mci_set_scaling(const struct cml_mci_reader *reader, int b, double *scale, double *height)
 {
     struct cml_boundary factors = {.scale = *scale, .height = *height};
-    char name[CML_SETTING_NAME];
     const struct cml_key *key = cml_keys_of(CML_KEYS_SHAPE);
     for (; reader->options->settings && key->group == CML_KEYS_SHAPE; key++) {
-        snprintf(name, sizeof name, "boundary%d.%s", b, key->name);
-        const struct cml_setting *setting = cml_settings_find(reader->options->settings, name);
+        const struct cml_setting *setting =
+            cml_settings_find(reader->options->settings, CML_TEXT("boundary%d.%s", b, key->name));
         if (setting) CML_TRY(set(reader, setting, key, &factors));
     }
     *scale = factors.scale;
@@ -267,13 +266,14 @@ static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct
 static cml_status check_once(const struct cml_mci_reader *reader, const struct cml_settings *settings, int i,
                              const void *const *place)
 {
-    char expected[256];
     int k = 0;
     while (k < i && place[k] != place[i]) k++;
     if (k == i) return CML_OK;
-    snprintf(expected, sizeof expected, "one value, but %.63s of %.80s has set it to %.30s",
-             settings->item[k].name, settings->item[k].source, settings->item[k].value);
-    return cml_setting_fail(&settings->item[i], expected, reader->err);
+    const struct cml_setting *first = &settings->item[k];
+    return cml_setting_fail(&settings->item[i],
+                            CML_TEXT("one value, but %.63s of %.80s has set it to %.30s", first->name,
+                                     first->source, first->value),
+                            reader->err);
 }
 
 /* Finds the member *key of the struct *base that a setting means; *key NULL: the scene has no such number. */
@@ -306,8 +306,6 @@ cml_status cml_mci_apply_settings(struct cml_mci_reader *reader, struct cml_scen
     return CML_OK;
 }
 
-/* Returns the number of the layer that a setting such as layer2.mua or epidermis.mua names; 0 if it names
- * none. */
 int cml_mci_layer_of(const struct cml_scene *scene, const char *text)
 {
     struct name name;
@@ -323,18 +321,15 @@ cml_status cml_mci_is_setting(const struct cml_scene *scene, const char *text, b
 {
     struct cml_mci_reader reader = {.err = err};
     const struct cml_key *key = NULL;
-    struct cml_scene copy;
+    CML_AT_END(cml_scene_clear) struct cml_scene copy = {0};
     void *base;
     *known = false;
     CML_TRY(cml_scene_copy(scene, &copy, err));
-    const cml_status status = find(&reader, &copy, text, &key, &base);
-    *known = status == CML_OK && key;
-    cml_scene_clear(&copy);
-    return status;
+    CML_TRY(find(&reader, &copy, text, &key, &base));
+    *known = key != NULL;
+    return CML_OK;
 }
 
-/* True if a column's quoted name was perhaps meant as a setting: a dot, a beginning like "layer", or a name
- * similar to that of a number. */
 bool cml_mci_resembles_setting(const char *text)
 {
     struct cml_guess guess = {.word = text, .length = strlen(text)};
@@ -393,11 +388,9 @@ static const char *why_no_layer_name(const struct cml_scene *scene, int layer, c
     return NULL;
 }
 
-/* Cuts the word name=NAME off the end of a layer's line and gives the layer this name. */
 cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, int layer,
                               struct cml_scene *scene)
 {
-    char field[64];
     cml_mci_cut_comment(reader->cursor);
     CML_TRY(refuse_rough(reader, owner));
     char *word = cml_mci_find_word(reader->cursor, "name=");
@@ -408,12 +401,10 @@ cml_status cml_mci_layer_name(struct cml_mci_reader *reader, const char *owner, 
     const bool again = *word && cml_mci_find_word(word + 1, "name=");
     *word = '\0';
     const char *expected = again ? "one name" : why_no_layer_name(scene, layer, name);
-    snprintf(field, sizeof field, "%s: name", owner);
-    if (expected) return cml_mci_fail(reader, field, name, expected);
-    const size_t layers = (size_t)scene->num_layers + 1;
-    if (!scene->layer_names) scene->layer_names = calloc(layers, sizeof *scene->layer_names);
+    if (expected) return cml_mci_fail(reader, CML_TEXT("%s: name", owner), name, expected);
     if (!scene->layer_names)
-        return cml_fail_memory(reader->err, (double)(layers * sizeof *scene->layer_names), "the layers");
+        CML_TRY(cml_zeros(&scene->layer_names, (size_t)scene->num_layers + 1, sizeof *scene->layer_names,
+                          "the layers", reader->err));
     strcpy(scene->layer_names[layer], name);
     return CML_OK;
 }

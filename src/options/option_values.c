@@ -55,11 +55,10 @@ cml_status cml_read_text(const struct cml_option *option, const char *value, str
 static cml_status count(const struct cml_option *option, const char *value, uint64_t *number,
                         struct cml_error *err)
 {
-    char expected[96];
-    snprintf(expected, sizeof expected, "a whole number from %.0f to %.0f", option->least, option->most);
     uint64_t read = 0;
     if (!cml_parse_count(value, &read) || (double)read < option->least || (double)read > option->most)
-        return fail(err, option, value, expected);
+        return fail(err, option, value,
+                    CML_TEXT("a whole number from %.0f to %.0f", option->least, option->most));
     *number = read;
     return CML_OK;
 }
@@ -100,17 +99,10 @@ cml_status cml_read_number(const struct cml_option *option, const char *value, s
 cml_status cml_read_word(const struct cml_option *option, const char *value, struct cml_options *options,
                          struct cml_error *err)
 {
-    char expected[128];
-    const size_t length = strlen(value);
-    int position = 0;
-    for (const char *word = option->words; *word; position++) {
-        const size_t size = strcspn(word, " ");
-        if (size == length && memcmp(word, value, size) == 0)
-            return set(option, (int)option->least + position, options);
-        word += size + (word[size] == ' ');
-    }
-    snprintf(expected, sizeof expected, "%s%s", position > 1 ? "one of " : "", option->words);
-    return fail(err, option, value, expected);
+    const int position = cml_word_index(option->words, value);
+    if (position >= 0) return set(option, (int)option->least + position, options);
+    return fail(err, option, value,
+                CML_TEXT("%s%s", strchr(option->words, ' ') ? "one of " : "", option->words));
 }
 
 /* ---- photons, engine and end of a run ---- */

@@ -14,15 +14,10 @@
 /* Allocates the points and corners of a boundary's drawn faces; their numbers are already set. */
 static cml_status allocate_faces(struct cml_faces *faces, struct cml_error *err)
 {
-    const size_t point_bytes = faces->num_points * sizeof *faces->point;
-    const size_t corner_bytes = faces->num_faces * (size_t)faces->corners * sizeof *faces->corner;
-    faces->point = malloc(point_bytes);
-    faces->corner = malloc(corner_bytes);
-    if (faces->point && faces->corner) return CML_OK;
-    free(faces->point);
-    free(faces->corner);
-    *faces = (struct cml_faces){0};
-    return cml_fail_memory(err, (double)(point_bytes + corner_bytes), "the faces of a boundary");
+    static const char what[] = "the faces of a boundary";
+    const size_t corners = faces->num_faces * (size_t)faces->corners;
+    CML_TRY(cml_zeros(&faces->point, faces->num_points, sizeof *faces->point, what, err));
+    return cml_zeros(&faces->corner, corners, sizeof *faces->corner, what, err);
 }
 
 /* Makes the faces of a mesh in the scene's coordinates. The mesh in memory is about its own middle, with
@@ -176,16 +171,12 @@ cml_status cml_drawn_faces_of_bodies(const struct cml_report *report, struct cml
                                      struct cml_error *err)
 {
     *drawn = (struct cml_body_faces){.faces.corners = 3};
-    cml_status status = CML_OK;
-    for (int k = 0; status == CML_OK && k < report->scene->num_bodies; k++) {
-        struct cml_mesh mesh;
-        status = mesh_of(report, k, &mesh, err);
-        if (status != CML_OK) break;
-        status = add_body(report, k, &mesh, drawn, err);
-        cml_mesh_clear(&mesh);
+    for (int k = 0; k < report->scene->num_bodies; k++) {
+        CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
+        CML_TRY(mesh_of(report, k, &mesh, err));
+        CML_TRY(add_body(report, k, &mesh, drawn, err));
     }
-    if (status != CML_OK) cml_drawn_faces_free(drawn);
-    return status;
+    return CML_OK;
 }
 
 void cml_drawn_faces_free(struct cml_body_faces *drawn)

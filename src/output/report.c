@@ -10,8 +10,7 @@ static bool is_small(double value)
     return value > 0 && value < 1e-4;
 }
 
-/* Prints a value with its standard error, small values in powers of ten. NaN means that a single packet
- * leaves no spread to take an error from. */
+/* NaN means that a single packet leaves no spread to take an error from. */
 void cml_report_estimate(FILE *stream, double value, double error)
 {
     const bool small = is_small(value);
@@ -130,8 +129,6 @@ static void print_flattened(FILE *stream, const struct cml_scene *scene)
         if (scene->boundaries[b].line > 0) fprintf(stream, "  boundary %d counts as a plane\n", b);
 }
 
-/* Prints the summary of `exact`: the order that was reached, then each total and each layer's absorption
- * with its limit of error. The backing is left out if there is none. */
 void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     fprintf(stream, "%s (%s:%d): adding-doubling, order %d", scene->output, scene->file, scene->line,
@@ -152,8 +149,6 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
         fprintf(stream, "  errors are above the aim at the highest order that was tried\n");
 }
 
-/* Prints the exact totals of the flat scene, in which planes replace all shapes, so that a user sees what
- * the shapes change. */
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     fprintf(stream, "  with planes in place of all shapes, by adding-doubling:");
@@ -272,9 +267,8 @@ static void print_trapped(FILE *stream, const struct cml_result *result)
           stream);
 }
 
-/* Prints the summary of a finished run for people: results with errors, the balance of weight, rare events,
- * and speed. Output says `books` and `residue` for the balance and what it leaves over. Steps are
- * interactions and boundary events. */
+/* Output says `books` and `residue` for the balance and what it leaves over. Steps are interactions and
+ * boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;

@@ -183,8 +183,7 @@ static void set_pixel_axes(struct cml_field_list *c)
 
 /* ---- the list ---- */
 
-/* Makes an empty list of fields with room for all: every quantity, nineteen fields of each boundary, and two
- * of each detector. */
+/* Makes room for all fields: every quantity, nineteen fields of each boundary, and two of each detector. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
@@ -192,16 +191,11 @@ cml_status cml_field_list_create(const struct cml_report *report, struct cml_fie
                  detectors = (size_t)report->scene->num_detectors,
                  capacity = CML_NUM_QUANTITIES + 19 * boundaries + 2 * detectors;
     *c = (struct cml_field_list){.report = report};
-    c->fields = calloc(capacity, sizeof *c->fields);
-    c->sources = calloc(capacity, sizeof *c->sources);
-    c->facet = calloc(boundaries, sizeof *c->facet);
-    c->radius = calloc(boundaries, sizeof *c->radius);
-    c->pixel = calloc(2 * detectors + 1, sizeof *c->pixel);
-    if (!c->fields || !c->sources || !c->facet || !c->radius || !c->pixel) {
-        cml_field_list_free(c);
-        return cml_fail_memory(err, (double)(capacity * (sizeof *c->fields + sizeof *c->sources)),
-                               "a list of fields");
-    }
+    CML_TRY(cml_zeros(&c->fields, capacity, sizeof *c->fields, "a list of fields", err));
+    CML_TRY(cml_zeros(&c->sources, capacity, sizeof *c->sources, "a list of fields", err));
+    CML_TRY(cml_zeros(&c->facet, boundaries, sizeof *c->facet, "a list of fields", err));
+    CML_TRY(cml_zeros(&c->radius, boundaries, sizeof *c->radius, "a list of fields", err));
+    CML_TRY(cml_zeros(&c->pixel, 2 * detectors, sizeof *c->pixel, "a list of fields", err));
     set_axes(c);
     set_boundary_axes(c);
     set_pixel_axes(c);
@@ -308,8 +302,6 @@ static void add_cells(struct cml_field_list *c, enum cml_quantity quantity, enum
     if (groups || r->layout.parts[array] > 1) add_errors(c);
 }
 
-/* Adds every array of the result whose first axis is `first` as fields of a file. Arrays over an exit angle
- * are left out if the scene asks for none. */
 void cml_add_fields(struct cml_field_list *c, enum cml_axis_kind first)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
@@ -436,8 +428,7 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
     }
 }
 
-/* Adds the light at the plane around boundary b, beyond the facets, as single values. The plane has no area
- * to divide by, so values are shares of the launched weight. Also adds the areas of facets. */
+/* The plane has no area to divide by, so values are shares of the launched weight. */
 void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_result *r = c->report->sums;
@@ -528,8 +519,6 @@ static void set_flux(const struct cml_report *report, const struct cml_body_surf
     if (step) o->error[CML_QUANTITY_flux_body][at] = cml_result_cell_error(sums, group, 1);
 }
 
-/* Fills the outcome with the flux through each side of each body, and with its standard errors if facets are
- * kept by group. */
 cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *o,
                                   struct cml_error *err)
 {

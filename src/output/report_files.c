@@ -104,12 +104,9 @@ static cml_status visit_tables(const struct visit *v, const struct cml_scene *sc
 static cml_status visit_facets(const struct visit *v, const struct cml_scene *scene,
                                const struct cml_surface_set *surfaces, struct cml_error *err)
 {
-    char suffix[64];
-    for (int b = 0; b <= scene->num_layers; b++) {
-        if (surfaces && surfaces->item[b].kind == CML_SURFACE_PLANE) continue;
-        snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
-        CML_TRY(visit(v, CML_FILE_BOUNDARY, b, suffix, err));
-    }
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (!surfaces || surfaces->item[b].kind != CML_SURFACE_PLANE)
+            CML_TRY(visit(v, CML_FILE_BOUNDARY, b, CML_TEXT(".boundary%d.vtp", b), err));
     return scene->num_bodies > 0 ? visit(v, CML_FILE_BODIES, 0, ".bodies.vtp", err) : CML_OK;
 }
 
@@ -120,18 +117,16 @@ cml_status cml_report_each_file(const struct cml_scene *scene, const struct cml_
                                 cml_report_file_function *each, void *context, struct cml_error *err)
 {
     const struct visit v = {path, each, context};
-    char suffix[64];
     if (cml_file_is_device(path)) /* nothing lies beside the result on a device like /dev/null */
         return visit(&v, CML_FILE_TABLE, 0, NULL, err);
     CML_TRY(visit_tables(&v, scene, asks, err));
     if (scene->map.nx > 0) CML_TRY(visit(&v, CML_FILE_MAP, 0, ".map.vti", err));
     if (scene->map.volume && (asks->absorption || scene->fluence.line))
         CML_TRY(visit(&v, CML_FILE_VOLUME, 0, ".volume.vti", err));
-    for (int k = 0; k < scene->num_detectors; k++) {
-        if (scene->detectors[k].shape != CML_DETECTOR_MAP) continue;
-        snprintf(suffix, sizeof suffix, ".detector_%s.vti", scene->detectors[k].name);
-        CML_TRY(visit(&v, CML_FILE_DETECTOR, k, suffix, err));
-    }
+    for (int k = 0; k < scene->num_detectors; k++)
+        if (scene->detectors[k].shape == CML_DETECTOR_MAP)
+            CML_TRY(
+                visit(&v, CML_FILE_DETECTOR, k, CML_TEXT(".detector_%s.vti", scene->detectors[k].name), err));
     return scene->facets ? visit_facets(&v, scene, surfaces, err) : CML_OK;
 }
 
@@ -195,9 +190,10 @@ cml_status cml_report_arrays(struct cml_report *report, struct cml_report_arrays
                              struct cml_error *err)
 {
     struct cml_h5_more more;
-    struct lists *lists = calloc(1, sizeof *lists);
-    *arrays = (struct cml_report_arrays){.lists = lists};
-    if (!lists) return cml_fail_memory(err, sizeof *lists, "a list of arrays");
+    struct lists *lists;
+    *arrays = (struct cml_report_arrays){0};
+    CML_TRY(cml_zeros(&lists, 1, sizeof *lists, "a list of arrays", err));
+    arrays->lists = lists;
     CML_TRY(cml_report_outcome(report, err));
     CML_TRY(begin_h5(report, &lists->list, &more, err));
     CML_TRY(cml_h5_fields_create(&report->outcome, &more, &lists->fields, err));

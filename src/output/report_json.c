@@ -152,7 +152,6 @@ static void set_exact_totals(json_t *object, const struct cml_scene *scene, cons
     cml_json_set_real(object, "exact_error", worst);
 }
 
-/* Prints the result of `exact` as one line of JSON. */
 cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact,
                                  struct cml_error *err)
 {
@@ -204,8 +203,7 @@ static void set_saved(json_t *object, const struct cml_report *report)
                                   (json_int_t)kept.found, "covers", (json_int_t)report->covers));
 }
 
-/* Prints the result of a run as one JSON object on one line, for --json. Long lists stand as null in the
- * object and are filled in when it is printed. */
+/* Long lists stand as null in the object and are filled in when it is printed. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
     const struct cml_provenance *provenance = report->provenance;
@@ -258,8 +256,6 @@ static void rename_files(json_t *files, const char *folder, int slashes)
     }
 }
 
-/* Prints the JSON record of an earlier run for a result that was not flown again. The record's file names
- * get the folder of the present `path`, because the result may have moved. */
 cml_status cml_report_json_again(FILE *stream, const char *json, const struct cml_scene *scene,
                                  const char *path, struct cml_error *err)
 {

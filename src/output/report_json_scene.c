@@ -123,7 +123,6 @@ json_t *cml_json_beam(const struct cml_json_subject *subject, int k)
     return object;
 }
 
-/* Returns the scene's backing; null if it has none. */
 json_t *cml_json_backing(const struct cml_backing_def *backing)
 {
     if (backing->kind == CML_BACKING_NONE) return json_null();
@@ -265,9 +264,7 @@ static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *
 static cml_status deal_beams(struct cml_json_subject *subject, uint64_t photons, struct cml_error *err)
 {
     const struct cml_scene *scene = subject->scene;
-    const size_t bytes = (size_t)scene->num_beams * sizeof *subject->dealt;
-    subject->dealt = malloc(bytes);
-    if (!subject->dealt) return cml_fail_memory(err, (double)bytes, "beams");
+    CML_TRY(cml_zeros(&subject->dealt, (size_t)scene->num_beams, sizeof *subject->dealt, "beams", err));
     return cml_deal_numbers(scene->shares, scene->num_beams, photons, subject->dealt, err);
 }
 

@@ -66,8 +66,7 @@ static cml_status fill_detectors(const struct cml_scene *scene, struct cml_outco
     const int count = scene->num_detectors;
     size_t size = 0;
     if (count == 0) return CML_OK;
-    o->detector = calloc((size_t)count, sizeof *o->detector);
-    if (!o->detector) return cml_fail_memory(err, (double)count * sizeof *o->detector, "detectors");
+    CML_TRY(cml_zeros(&o->detector, (size_t)count, sizeof *o->detector, "detectors", err));
     FILE *out = open_memstream(&o->detector_names, &size);
     cml_status status = CML_OK;
     for (int k = 0; k < count; k++) {
@@ -178,7 +177,7 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
                              struct cml_error *err)
 {
     const double scale = scale_of(report, k, by_mus);
-    struct cml_result result;
+    CML_AT_END(cml_result_free) struct cml_result result = {0};
     struct cml_outcome sums = {.photons = o->photons,
                                .dz = o->dz,
                                .dr = o->dr,
@@ -200,7 +199,6 @@ static cml_status take_score(const struct cml_report *report, int k, bool by_mus
     /* `sums` has no names of detectors that cml_outcome_clear could free */
     sums.num_detectors = 0;
     cml_outcome_clear(&sums);
-    cml_result_free(&result);
     return status;
 }
 

@@ -8,7 +8,7 @@
 
 /* Returns the facets of a surface that is not a plane, except the last one, as faces in the scene's
  * coordinates (z down). A facet has *per_facet successive faces, because a ring is drawn as quadrangles. The
- * caller frees the arrays of *faces. */
+ * caller frees the arrays of *faces, also when memory runs out (CML_E_INPUT). */
 CML_NODISCARD cml_status cml_drawn_faces_of_boundary(const struct cml_surface_def *def,
                                                      struct cml_faces *faces, size_t *per_facet,
                                                      struct cml_error *err);
@@ -25,7 +25,7 @@ struct cml_body_faces {
     struct cml_body_face *face; /* [faces.num_faces] facet of each face */
 };
 
-/* Draws all bodies. CML_E_INPUT when memory runs out; *drawn is empty then. */
+/* Draws all bodies. The caller frees *drawn, also when memory runs out (CML_E_INPUT). */
 CML_NODISCARD cml_status cml_drawn_faces_of_bodies(const struct cml_report *report,
                                                    struct cml_body_faces *drawn, struct cml_error *err);
 void cml_drawn_faces_free(struct cml_body_faces *drawn);

@@ -56,7 +56,6 @@ cml_status cml_report_record(const struct cml_report *report, struct cml_record 
     return status;
 }
 
-/* Copies the record of an earlier run, with the JSON text's file names as they are now. */
 cml_status cml_report_record_again(const struct cml_scene *scene, const char *path,
                                    const struct cml_record *before, struct cml_record *record,
                                    struct cml_error *err)

@@ -120,15 +120,14 @@ static cml_status write(const struct cml_report *report, const char *path, const
     return cml_hdf5_write(path, attributes, n, &call, fields, num_fields, err);
 }
 
-/* Writes the file of saved packets, one row per packet in rising order of index. The array has one element
- * more than packets, so that malloc(0) cannot return NULL. */
+/* Writes one row per packet, in rising order of index. */
 cml_status cml_report_write_saved(struct cml_report *report, const char *path, struct cml_error *err)
 {
     struct cml_saved *saved = report->sums->saved;
     const struct cml_saved_sums kept = cml_saved_sort(saved);
     CML_TRY(cml_report_words(report, CML_READ_IN_H5, err));
-    CML_FREED double *indices = malloc((kept.kept + 1) * sizeof *indices);
-    if (!indices) return cml_fail_memory(err, (double)kept.kept * sizeof *indices, "saved photons");
+    CML_FREED double *indices = NULL;
+    CML_TRY(cml_zeros(&indices, kept.kept, sizeof *indices, "saved photons", err));
     for (size_t i = 0; i < kept.kept; i++) indices[i] = (double)cml_saved_row(saved, i)->index;
     return write(report, path, &kept, indices, err);
 }

@@ -140,8 +140,7 @@ static void print_depths(FILE *stream, const struct cml_surface_def *def, enum c
         fprintf(stream, " (z = %.9g to %.9g cm)", def->depth + def->lowest, def->depth + def->highest);
 }
 
-/* Finds the least and the largest distance from the z axis of a body's bounding box. Along each axis the
- * closest point is 0 if the box contains 0. */
+/* Along each axis the closest point is 0 if the box contains 0. */
 void cml_report_reach(const struct cml_body_surface *body, double *least, double *most)
 {
     double closest[2], farthest[2];
@@ -247,7 +246,6 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
     report_bodies(stream, prefix, scene, &surfaces->bodies, reader);
 }
 
-/* Returns the word for a kind of light in a beam's line. */
 const char *cml_light_word(enum cml_light_kind kind)
 {
     static const char *const words[] = {"parallel", "na", "lambertian", "isotropic", "table"};
@@ -281,8 +279,7 @@ static void report_beam_shape(FILE *stream, const struct cml_beam *beam)
         fprintf(stream, " of %g x %g cm", beam->size[0], beam->size[1]);
 }
 
-/* Prints beam k: shape, place, direction, light, share of the photons, and the medium it starts in. The
- * checksum stands for an image or table that is too long to print. */
+/* The checksum stands for an image or table that is too long to print. */
 void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k,
                      const int *starts)
 {

@@ -5,8 +5,6 @@
 #include "output/files/hdf5_file.h"
 #include "result/outcome.h"
 
-enum { CML_H5_MORE_ATTRIBUTES = 4 };
-
 /* Contents of an .h5 file beside an outcome; all borrowed. */
 struct cml_h5_more {
     const char *input; /* text of the .mci */
@@ -14,9 +12,6 @@ struct cml_h5_more {
     const struct cml_field *field;
     int num_fields;
     struct cml_hdf5_call call;
-    /* [num_attributes] further attributes, at most CML_H5_MORE_ATTRIBUTES */
-    const struct cml_attribute *attribute;
-    int num_attributes;
 };
 
 /* The arrays of an .h5 file, and the axes that they share. It points to itself, so it must not move. */

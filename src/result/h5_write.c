@@ -119,8 +119,8 @@ cml_status cml_h5_fields_create(const struct cml_outcome *o, const struct cml_h5
 {
     const size_t most =
         2 * (size_t)CML_NUM_QUANTITIES * (1 + (size_t)o->num_detectors) + (size_t)more->num_fields;
-    *f = (struct cml_h5_fields){.field = calloc(most, sizeof *f->field)};
-    if (!f->field) return cml_fail_memory(err, (double)(most * sizeof *f->field), "a list of fields");
+    *f = (struct cml_h5_fields){0};
+    CML_TRY(cml_zeros(&f->field, most, sizeof *f->field, "a list of fields", err));
     set_axes(f, o);
     for (int i = 0; i < CML_NUM_QUANTITIES; i++)
         for (int part = 0;
@@ -138,15 +138,12 @@ void cml_h5_fields_free(struct cml_h5_fields *f)
     *f = (struct cml_h5_fields){0};
 }
 
-/* Writes the .h5 of a result: all its quantities, and the fields in `more`, whose values are computed while
- * they are written, so that they are never in memory as a whole. */
 cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                         struct cml_error *err)
 {
     CML_AT_END(cml_h5_fields_free) struct cml_h5_fields f = {.count = 0};
     CML_TRY(cml_h5_fields_create(o, more, &f, err));
-    struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES + CML_H5_MORE_ATTRIBUTES];
-    int count = cml_h5_attributes(o, more, attributes);
-    for (int i = 0; i < more->num_attributes; i++) attributes[count++] = more->attribute[i];
+    struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES];
+    const int count = cml_h5_attributes(o, more, attributes);
     return cml_hdf5_write(path, attributes, count, &more->call, f.field, f.count, err);
 }

@@ -159,7 +159,6 @@ static bool read_h5(const char *path, struct cml_head *head)
     return true;
 }
 
-/* Reads the head of a result, .mco or .h5. False if the path leads to no whole result. */
 bool cml_head_read(const char *path, struct cml_head *head)
 {
     struct stat about;

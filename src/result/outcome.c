@@ -13,7 +13,6 @@
 
 /* ---- sizes ---- */
 
-/* Returns the number of bins of an axis, such as layers or radii. */
 int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
 {
     const int bins[CML_NUM_AXES] = {[CML_AXIS_layer] = o->num_layers,
@@ -32,7 +31,6 @@ int cml_outcome_bins(const struct cml_outcome *o, enum cml_axis_kind axis)
     return bins[axis];
 }
 
-/* Returns the number of cells of a quantity: the product of its axes' numbers of bins. */
 size_t cml_outcome_size(const struct cml_outcome *o, enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
@@ -96,8 +94,6 @@ static const char *ending_of(enum cml_quantity quantity)
     return cml_quantities[quantity].name + strlen("detector");
 }
 
-/* Writes the name that a quantity has in JSON and in files; quantities of a detector contain the name of
- * detector number `part`. */
 void cml_outcome_key(const struct cml_outcome *o, enum cml_quantity quantity, int part,
                      char key[CML_OUTCOME_KEY])
 {
@@ -109,16 +105,13 @@ void cml_outcome_key(const struct cml_outcome *o, enum cml_quantity quantity, in
 
 /* ---- memory ---- */
 
-/* Allocates the values of a quantity, or its standard errors, filled with zeros; an existing array stays. */
 cml_status cml_outcome_add(struct cml_outcome *o, enum cml_quantity quantity, bool errors,
                            struct cml_error *err)
 {
     double **array = errors ? &o->error[quantity] : &o->value[quantity];
-    const size_t size = cml_outcome_size(o, quantity);
-    if (!*array) *array = calloc(size, sizeof **array);
-    return *array
-               ? CML_OK
-               : cml_fail_memory(err, (double)size * (double)sizeof **array, cml_quantities[quantity].name);
+    if (*array) return CML_OK;
+    return cml_zeros(array, cml_outcome_size(o, quantity), sizeof **array, cml_quantities[quantity].name,
+                     err);
 }
 
 /* True if original MCML's .mco contains the quantity. */
@@ -146,7 +139,6 @@ static double numbers_of(const struct cml_outcome *o)
     return nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na + (1.0 + CML_LAYER_NUMBERS) * o->num_layers;
 }
 
-/* Allocates the arrays that an .mco file of original MCML must have, zero where nothing was tallied. */
 cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
 {
     const double bytes = (double)sizeof(double) * numbers_of(o);
@@ -163,8 +155,8 @@ void cml_outcome_clear(struct cml_outcome *o)
 {
     free_arrays(o);
     for (int k = 0; k < o->num_detectors; k++) free(o->detector[k]);
-    void *const owned[] = {o->output, o->program, o->settings, o->beam,     o->phases,        o->detectors,
-                           o->shapes, o->top,     o->scene,    o->detector, o->detector_names};
+    void *const owned[] = {o->output,    o->program, o->settings, o->beam,     o->phases,
+                           o->detectors, o->shapes,  o->top,      o->detector, o->detector_names};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     *o = (struct cml_outcome){0};
 }
@@ -303,7 +295,6 @@ static cml_status take(struct cml_outcome *o, const struct cml_result *sums, enu
     return CML_OK;
 }
 
-/* Computes all quantities of a run from its integer sums, and copies the list of lost photons as text. */
 cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums, struct cml_error *err)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++)

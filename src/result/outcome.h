@@ -36,9 +36,8 @@ struct cml_outcome {
     struct cml_lost_list lost;
     /* Indices of lost packets as a text, separated by blanks; "": none. */
     char lost_indices[24 * CML_LOST_LISTED];
-    /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene` is the input without the
-     * lines for name and photons; only .h5 files have it. */
-    char *settings, *beam, *phases, *detectors, *shapes, *top, *scene;
+    /* The scene in words, each line ended by a line feed; "" or NULL: none. */
+    char *settings, *beam, *phases, *detectors, *shapes, *top;
     bool beside; /* some results, or shapes, of the run stand only in its .h5 file */
 };
 

@@ -22,8 +22,6 @@ static void identify_text(FILE *out, const char *name, const char *text)
     fprintf(out, "%s %s\n", text ? name : "no", text ? text : name);
 }
 
-/* Writes everything besides the scene that decides the bits of a result: engine, aim and options. The text
- * is hashed into the result's identity. */
 void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance)
 {
     identify_text(out, "engine", provenance->engine);

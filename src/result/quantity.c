@@ -73,7 +73,6 @@ const char *cml_quantity_ending(const char *name)
     return NULL;
 }
 
-/* Names a field after its quantity. */
 void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity)
 {
     snprintf(field->name, sizeof field->name, "%s", cml_quantities[quantity].name);
@@ -81,8 +80,6 @@ void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity)
     field->units = cml_quantities[quantity].units;
 }
 
-/* Makes a field `errors` the standard error of the field `of`: the same axes and units, and the name with
- * the ending _se. */
 void cml_quantity_name_errors(struct cml_field *errors, struct cml_field *of)
 {
     snprintf(errors->name, sizeof errors->name, "%.50s_se", of->name);

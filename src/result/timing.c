@@ -30,15 +30,12 @@ double cml_timing_idle(const struct cml_timing *timing)
     return sum.elapsed > 0 ? sum.waiting / sum.elapsed : 0;
 }
 
-/* Returns the share of all ranks' time that was spent on communication. */
 double cml_timing_communication(const struct cml_timing *timing)
 {
     const struct cml_rank_report sum = sum_of(timing);
     return sum.elapsed > 0 ? sum.asking / sum.elapsed : 0;
 }
 
-/* Returns where number i of a kind stands in the record, in which the kinds follow one another; -1 if there
- * are not so many. */
 int cml_record_find(const struct cml_record *record, enum cml_recorded kind, int i)
 {
     if (i >= record->count[kind]) return -1;
@@ -46,7 +43,6 @@ int cml_record_find(const struct cml_record *record, enum cml_recorded kind, int
     return i;
 }
 
-/* Appends a number and its standard error to the record. Kinds must come in their order. */
 void cml_record_add(struct cml_record *record, enum cml_recorded kind, double value, double error)
 {
     const int at = cml_record_find(record, kind, (int)record->count[kind]++);

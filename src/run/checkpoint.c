@@ -131,19 +131,16 @@ cml_status cml_checkpoint_write(const char *path, const char *identity, const ch
                                 const struct cml_run_state *state, struct cml_result *result,
                                 struct cml_error *err)
 {
-    char *old = NULL;
+    CML_FREED char *old = NULL;
     CML_TRY(cml_text_format(&old, "a path", err, "%s.old", path));
-    const cml_status status = write_file(path, old, identity, call, state, NULL, result, err);
-    free(old);
-    return status;
+    return write_file(path, old, identity, call, state, NULL, result, err);
 }
 
 void cml_checkpoint_remove_older(const char *path)
 {
     struct cml_error ignored;
-    char *old = NULL;
+    CML_FREED char *old = NULL;
     if (cml_text_format(&old, "a path", &ignored, "%s.old", path) == CML_OK) remove(old);
-    free(old);
 }
 
 cml_status cml_checkpoint_finish(const char *path, const char *identity, const struct cml_run_state *state,
@@ -222,8 +219,7 @@ static cml_status read_head(struct source *source, struct cml_error *err)
             "format %u; go on with that program, or begin anew without --resume or --more)",
             source->path, VERSION);
     if (head->identity_size > source->left) return fail_damaged(source, "its identity", err);
-    source->identity = calloc(head->identity_size + 1, 1);
-    if (!source->identity) return cml_fail_memory(err, (double)head->identity_size, "a checkpoint");
+    CML_TRY(cml_zeros(&source->identity, head->identity_size + 1, 1, "a checkpoint", err));
     return get(source, source->identity, head->identity_size, 1) ? CML_OK
                                                                  : fail_damaged(source, "cut short", err);
 }
@@ -239,8 +235,7 @@ static const char *find_size(const char *line)
     return size;
 }
 
-/* Refuses a checkpoint of another run, and names the first line in which the identities differ. For an input
- * file of the same name, the message says that its contents differ. */
+/* For an input file of the same name, the message says that its contents differ. */
 cml_status cml_fail_other_run(const char *path, const char *theirs, const char *mine, const char *expected,
                               struct cml_error *err)
 {
@@ -321,12 +316,11 @@ static bool is_lost_list_sound(const struct cml_lost_list *lost, uint64_t end)
 static cml_status check_ranges(const struct source *source, const struct cml_ranges *open,
                                const struct cml_summary *summary, struct cml_error *err)
 {
-    struct cml_range *sorted = malloc((open->count + 1) * sizeof *sorted);
-    if (!sorted) return cml_fail_memory(err, (double)(open->count * sizeof *sorted), "a checkpoint's ranges");
+    CML_FREED struct cml_range *sorted = NULL;
+    CML_TRY(cml_zeros(&sorted, open->count, sizeof *sorted, "a checkpoint's ranges", err));
     if (open->count > 0) memcpy(sorted, open->item, open->count * sizeof *sorted);
     qsort(sorted, open->count, sizeof *sorted, compare_ranges);
     const bool good = are_ranges_sound(sorted, open->count, &source->head, summary);
-    free(sorted);
     return good ? CML_OK : fail_damaged(source, "its ranges of photons", err);
 }
 
@@ -350,19 +344,16 @@ static cml_status read_saved(struct source *source, struct cml_saved *saved, str
     const size_t size = saved ? cml_saved_row_bytes(cml_saved_media(saved)) : 0;
     if (head->found < head->num_saved || head->found > head->end || (head->found && !saved))
         return fail_damaged(source, "its saved photons", err);
-    uint64_t *const row = malloc(size + 1);
-    if (!row) return cml_fail_memory(err, (double)size, "a saved photon");
+    CML_FREED uint64_t *row = NULL;
+    CML_TRY(cml_zeros(&row, size, 1, "a saved photon", err));
     uint64_t least = 0;
-    bool good = true;
     if (saved) cml_saved_clear(saved);
-    for (uint64_t i = 0; good && i < head->num_saved; i++) {
-        good = get(source, row, 1, size) && *row >= least && cml_saved_may_have(saved, *row, head->end);
-        if (!good) break;
+    for (uint64_t i = 0; i < head->num_saved; i++) {
+        if (!get(source, row, 1, size) || *row < least || !cml_saved_may_have(saved, *row, head->end))
+            return fail_damaged(source, "its saved photons", err);
         least = *row + 1;
         cml_saved_add(saved, row, 1);
     }
-    free(row);
-    if (!good) return fail_damaged(source, "its saved photons", err);
     if (saved) cml_saved_add_found(saved, head->found - head->num_saved);
     return CML_OK;
 }
@@ -411,8 +402,7 @@ static cml_status read_record(struct source *source, struct cml_record *record, 
     if (head->json_size > source->left || !cml_record_is_sound(&head->record))
         return fail_damaged(source, "its record", err);
     *record = head->record;
-    record->json = calloc(head->json_size + 1, 1);
-    if (!record->json) return cml_fail_memory(err, (double)head->json_size, "a checkpoint");
+    CML_TRY(cml_zeros(&record->json, head->json_size + 1, 1, "a checkpoint", err));
     return get(source, record->json, head->json_size, 1) ? CML_OK : fail_damaged(source, "cut short", err);
 }
 
@@ -484,8 +474,6 @@ static cml_status read_older(const char *path, const struct wanted *wanted, stru
     return CML_OK;
 }
 
-/* Reads the checkpoint of a run, or the older one beside it if the newest is missing or damaged. *note then
- * tells the user so. */
 cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
                                struct cml_run_state *state, struct cml_result *result, bool tallies,
                                struct cml_record *record, struct cml_error *note, struct cml_error *err)
@@ -497,10 +485,9 @@ cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_
         *note = *err;
     else if (status != CML_OK || *kind != CML_CHECKPOINT_NONE)
         return status;
-    char *old = NULL;
+    CML_FREED char *old = NULL;
     CML_TRY(cml_text_format(&old, "a path", err, "%s.old", path));
     status = read_older(old, &wanted, note, err);
-    free(old);
     return status == CML_E_IO ? CML_E_INPUT : status;
 }
 
@@ -511,8 +498,6 @@ static struct cml_checkpoint_about about_of(const struct head *head)
                                          head->num_cells > 0, head->begin, head->end, head->part};
 }
 
-/* Reads only the head of a checkpoint: what kind of run wrote it and how far it got. A file that cannot be
- * read counts as none. */
 struct cml_checkpoint_about cml_checkpoint_look(const char *path)
 {
     struct cml_checkpoint_about about = {.kind = CML_CHECKPOINT_NONE};

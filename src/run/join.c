@@ -16,13 +16,11 @@ static bool is_beside_part(const char *path)
            cml_file_ends_in(path, ".tmp");
 }
 
-/* Reads the heads of all files that `merge` was given, and skips files that only lie beside parts (.lock,
- * .old, .tmp). */
 cml_status cml_part_files_read(char *const *path, int count, struct cml_part_files *files,
                                struct cml_error *err)
 {
-    *files = (struct cml_part_files){.file = calloc((size_t)count + 1, sizeof *files->file)};
-    if (!files->file) return cml_fail_memory(err, (double)count * (double)sizeof *files->file, "the parts");
+    *files = (struct cml_part_files){0};
+    CML_TRY(cml_zeros(&files->file, (size_t)count + 1, sizeof *files->file, "the parts", err));
     for (int i = 0; i < count; i++) {
         struct cml_part_file *file = &files->file[files->count];
         if (is_beside_part(path[i])) continue;
@@ -34,7 +32,6 @@ cml_status cml_part_files_read(char *const *path, int count, struct cml_part_fil
     return cml_fail(err, CML_E_INPUT, "merge: no parts (expected those of a run, NAME.partKofN)");
 }
 
-/* Frees what was read of the files of parts. */
 void cml_part_files_clear(struct cml_part_files *files)
 {
     for (int i = 0; files->file && i < files->count; i++) {
@@ -188,16 +185,14 @@ void cml_run_add(struct cml_result *to, struct cml_result *from)
 static cml_status check_finished(const struct cml_part_file *file, struct cml_ranges *open,
                                  struct cml_error *err)
 {
-    struct cml_ranges others = {0};
-    cml_status status = cml_ranges_keep(open, turns_of(file), &others, err);
-    cml_ranges_clear(&others);
-    if (status == CML_OK && open->total > 0)
-        status = cml_fail(
-            err, CML_E_INPUT,
-            "%s: %" PRIu64
-            " photons of the part have not flown yet (expected a finished part; --resume continues it)",
-            file->path, open->total);
-    return status;
+    CML_AT_END(cml_ranges_clear) struct cml_ranges others = {0};
+    CML_TRY(cml_ranges_keep(open, turns_of(file), &others, err));
+    if (open->total == 0) return CML_OK;
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s: %" PRIu64
+        " photons of the part have not flown yet (expected a finished part; --resume continues it)",
+        file->path, open->total);
 }
 
 /* Reads the file of a part and adds its tallies to *out. one: an empty result of the run's grid, as room for
@@ -206,7 +201,7 @@ static cml_status add_part(const struct cml_run_setup *setup, const struct cml_p
                            struct cml_result *one, struct cml_run_result *out, struct cml_error *err)
 {
     struct cml_run_state state = {.begin = 0};
-    struct cml_record record = {0};
+    CML_AT_END(cml_record_clear) struct cml_record record = {0};
     enum cml_checkpoint_kind kind;
     struct cml_error note;
     cml_status status =
@@ -215,7 +210,6 @@ static cml_status add_part(const struct cml_run_setup *setup, const struct cml_p
     if (status == CML_OK) cml_run_add(&out->result, one);
     out->state.seconds += state.seconds;
     cml_ranges_clear(&state.open);
-    cml_record_clear(&record);
     return status;
 }
 

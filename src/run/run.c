@@ -465,12 +465,10 @@ cml_status cml_run_read_base(const struct cml_run_setup *setup, struct cml_run_s
                              struct cml_result *result, struct cml_error *err)
 {
     enum cml_checkpoint_kind kind = CML_CHECKPOINT_NONE;
-    struct cml_record before = {0};
+    CML_AT_END(cml_record_clear) struct cml_record before = {0};
     struct cml_error note;
-    const cml_status status = cml_checkpoint_read(setup->checkpoint, setup->base_identity, &kind, state,
-                                                  result, true, &before, &note, err);
-    cml_record_clear(&before);
-    CML_TRY(status);
+    CML_TRY(cml_checkpoint_read(setup->checkpoint, setup->base_identity, &kind, state, result, true, &before,
+                                &note, err));
     if (kind == CML_CHECKPOINT_NONE || state->end != setup->base || state->open.total > 0)
         return cml_fail(err, CML_E_INPUT, "%s: is not of the run to be extended", setup->checkpoint);
     return CML_OK;
@@ -532,11 +530,8 @@ static cml_status gather_reports(struct flight *flight, struct cml_error *err)
     struct cml_run_result *out = flight->out;
     struct cml_timing *timing = &out->timing;
     timing->ranks = cml_cluster_size();
-    timing->rank = calloc((size_t)timing->ranks, sizeof *timing->rank);
-    const cml_status status =
-        timing->rank ? CML_OK
-                     : cml_fail_memory(err, timing->ranks * (double)sizeof *timing->rank, "the ranks");
-    CML_TRY(cml_cluster_agree(status, err));
+    CML_TRY(cml_cluster_agree(
+        cml_zeros(&timing->rank, (size_t)timing->ranks, sizeof *timing->rank, "the ranks", err), err));
     flight->report.elapsed = cml_now() - flight->begin;
     flight->report.processor = processor_seconds() - flight->report.processor;
     timing->seconds = flight->state.seconds + flight->report.elapsed;

@@ -69,11 +69,7 @@ cml_status cml_gather_saved(struct cml_saved *saved, struct cml_error *err)
     const size_t row = cml_saved_row_bytes(cml_saved_media(saved)),
                  most = row < BLOCK_BYTES ? BLOCK_BYTES / row : 1, size = sizeof(struct block) + most * row;
     const size_t blocks = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() + 1 : 1;
-    char *room = calloc(blocks, size);
-    cml_status status =
-        room ? CML_OK : cml_fail_memory(err, (double)(blocks * size), "saved photons of all ranks");
-    status = cml_cluster_agree(status, err);
-    if (status == CML_OK) status = exchange(saved, most, size, room, room + (blocks - 1) * size, err);
-    free(room);
-    return status;
+    CML_FREED char *room = NULL;
+    CML_TRY(cml_cluster_agree(cml_zeros(&room, blocks, size, "saved photons of all ranks", err), err));
+    return exchange(saved, most, size, room, room + (blocks - 1) * size, err);
 }

@@ -61,8 +61,7 @@ cml_status cml_work_open(struct cml_work_ranges *work, struct cml_ranges *open, 
 {
     const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
     *work = (struct cml_work_ranges){.open = open, .want = FIRST_WANT, .all_wants = size * FIRST_WANT};
-    work->wants = malloc(size * sizeof *work->wants);
-    if (!work->wants) return cml_fail_memory(err, (double)size * 8, "the ranks");
+    CML_TRY(cml_zeros(&work->wants, size, sizeof *work->wants, "the ranks", err));
     for (size_t i = 0; i < size; i++) work->wants[i] = FIRST_WANT;
     pthread_mutex_init(&work->lock, NULL);
     if (cml_cluster_rank() == 0) cml_cluster_set_handler(reply_to, work);
@@ -162,12 +161,9 @@ cml_status cml_work_return(struct cml_work_ranges *work, struct cml_range left, 
 {
     const struct returned mine = {left, flown, *stop};
     const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
-    struct returned *all = malloc(size * sizeof *all);
-    cml_status status =
-        all ? CML_OK : cml_fail_memory(err, (double)(size * sizeof *all), "what ranks give back");
-    status = cml_cluster_agree(status, err);
-    if (status == CML_OK) status = cml_cluster_gather(&mine, sizeof mine, all, err);
+    CML_FREED struct returned *all = NULL;
+    CML_TRY(cml_cluster_agree(cml_zeros(&all, size, sizeof *all, "what ranks give back", err), err));
+    cml_status status = cml_cluster_gather(&mine, sizeof mine, all, err);
     if (status == CML_OK && cml_cluster_rank() == 0) status = collect(work, all, stop, err);
-    free(all);
     return cml_cluster_agree(status, err);
 }

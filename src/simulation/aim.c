@@ -2,6 +2,7 @@
 #include "simulation/aim.h"
 
 #include "aim/windows.h"
+#include "base/text.h"
 #include "simulation/scenes.h"
 #include "exact/tail_response.h"
 
@@ -57,13 +58,12 @@ static cml_status add_absorption(const char *name, int length, const struct cml_
                                  struct wanted *wanted, struct cml_error *err)
 {
     const int last = scene->num_layers, layer = atoi(name + strlen("A_l:"));
-    char expected[64];
-    snprintf(expected, sizeof expected,
-             last > 2   ? "a layer from 2 to %d, with others above it"
-             : last > 1 ? "layer 2, with another above it"
-                        : "Tt: there is one layer",
-             last);
-    if (layer < 2 || layer > last) return cml_aim_refuse(scene, name, length, expected, err);
+    if (layer < 2 || layer > last)
+        return cml_aim_refuse(scene, name, length,
+                              last > 2   ? CML_TEXT("a layer from 2 to %d, with others above it", last)
+                              : last > 1 ? "layer 2, with another above it"
+                                         : "Tt: there is one layer",
+                              err);
     add_layer(layer, level > 0 && layer > level, wanted);
     return CML_OK;
 }
@@ -124,10 +124,9 @@ static cml_status check_worth(const char *name, const struct cml_scene *scene, i
 {
     const int length = (int)strcspn(name, ","), layer = strncmp(name, "A_l:", 4) == 0 ? atoi(name + 4) : 0;
     const int score = layer ? layer - level : length == 2 && strncmp(name, "Tt", 2) == 0 ? 0 : -1;
-    char expected[80];
     if (score < (layer ? 1 : 0) || cml_flat_tail_has(tail, score)) return CML_OK;
-    snprintf(expected, sizeof expected, "an aim that at least %g of the light reaches", CML_TAIL_LEAST);
-    return cml_aim_refuse(scene, name, length, expected, err);
+    return cml_aim_refuse(scene, name, length,
+                          CML_TEXT("an aim that at least %g of the light reaches", CML_TAIL_LEAST), err);
 }
 
 /* Makes what an aim needs: weight windows, and a table of the flat tail if `tail` (takes longest). All names
@@ -151,39 +150,30 @@ static cml_status create(const char *aim, const struct cml_scene *scene,
     return CML_OK;
 }
 
-/* Makes what --aim needs. Layers are taken as thick as they are between the mean depths of their surfaces.
- * tail: also make the table of the flat tail, which takes longer. */
-static cml_status create_of(const char *aim, const struct cml_scene *scene,
-                            const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
-                            struct cml_error *err)
+/* Layers are taken as thick as they are between the mean depths of their surfaces. */
+cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
+                          const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
+                          struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 2;
-    struct cml_medium_def *media = malloc(count * sizeof *media);
+    CML_FREED struct cml_medium_def *media = NULL;
     *to = (struct cml_aim){0};
-    if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "layers");
+    CML_TRY(cml_zeros(&media, count, sizeof *media, "layers", err));
     memcpy(media, scene->media, count * sizeof *media);
     for (int l = 1; l <= scene->num_layers; l++)
         media[l].d = surfaces->item[l].depth - surfaces->item[l - 1].depth;
     const cml_status status = create(aim, scene, surfaces, media, tail, to, err);
-    free(media);
     if (status != CML_OK) cml_aim_clear(to);
     return status;
 }
 
-cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
-                          const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
-{
-    return create_of(aim, scene, surfaces, true, to, err);
-}
-
-/* Makes the aim of a run. If adding-doubling has no answer, the scene is refused, because nothing flies
- * without it. */
-static cml_status create_for(const struct cml_options *options, const struct cml_scene *scene,
-                             const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
-                             struct cml_error *err)
+cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,
+                           const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
+                           struct cml_error *err)
 {
     *to = (struct cml_aim){0};
-    const cml_status status = options->aim ? create_of(options->aim, scene, surfaces, tail, to, err) : CML_OK;
+    const cml_status status =
+        options->aim ? cml_aim_create(options->aim, scene, surfaces, tail, to, err) : CML_OK;
     if (status == CML_E_NUMERIC) {
         const struct cml_error why = *err;
         return cml_fail(err, CML_E_INPUT, "%s:%d: --aim %s: %.400s", scene->file, scene->line, options->aim,
@@ -192,12 +182,6 @@ static cml_status create_for(const struct cml_options *options, const struct cml
     if (to->windows.cells == 0 || !options->engine_options.derivatives) return status;
     cml_aim_clear(to);
     return cml_fail(err, CML_E_INPUT, "--derivatives (expected no --aim beside it that splits packets)");
-}
-
-cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,
-                           const struct cml_surface_set *surfaces, struct cml_aim *to, struct cml_error *err)
-{
-    return create_for(options, scene, surfaces, true, to, err);
 }
 
 void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options)
@@ -225,15 +209,12 @@ cml_status cml_aim_check(const struct cml_options *options, const struct cml_sce
                          const struct cml_surface_set *shared, struct cml_error *err)
 {
     struct cml_options mine = *options;
-    struct cml_surface_set surfaces;
-    struct cml_aim aim;
+    CML_AT_END(cml_surfaces_free) struct cml_surface_set surfaces = {0};
+    CML_AT_END(cml_aim_clear) struct cml_aim aim = {0};
     if (!options->aim) return CML_OK;
     mine.surface.shared = shared;
     CML_TRY(cml_choose_surfaces(&mine, scene, &surfaces, err));
-    const cml_status status = create_for(options, scene, &surfaces, false, &aim, err);
-    cml_surfaces_free(&surfaces);
-    if (status == CML_OK) cml_aim_clear(&aim);
-    return status;
+    return cml_aim_for_run(options, scene, &surfaces, false, &aim, err);
 }
 
 void cml_aim_clear(struct cml_aim *aim)
@@ -247,11 +228,10 @@ void cml_aim_clear(struct cml_aim *aim)
 static bool would_gain(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int k)
 {
     struct cml_error refusal;
-    struct cml_aim aim;
-    if (cml_aim_create(scene->detectors[k].name, scene, surfaces, &aim, &refusal) != CML_OK) return false;
-    const bool gain = aim.windows.detector && aim.windows.gain > 0;
-    cml_aim_clear(&aim);
-    return gain;
+    CML_AT_END(cml_aim_clear) struct cml_aim aim = {0};
+    if (cml_aim_create(scene->detectors[k].name, scene, surfaces, true, &aim, &refusal) != CML_OK)
+        return false;
+    return aim.windows.detector && aim.windows.gain > 0;
 }
 
 int cml_aim_unseen(const struct cml_scene *scene, const struct cml_surface_set *surfaces,

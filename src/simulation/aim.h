@@ -28,17 +28,18 @@ struct cml_aim {
 };
 
 /* Makes the aim at NAME[,NAME...], which may be Tt, Tt_r, A_l:N and names of detectors: a tail for values
- * below the level, windows for the rest. CML_E_INPUT: "FILE:LINE: --aim A_l:1 (expected ...)". CML_E_NUMERIC:
- * adding-doubling has no answer. On success the caller clears *to. */
+ * below the level, windows for the rest. tail false: leaves out the table of the tail, which takes longest.
+ * CML_E_INPUT: "FILE:LINE: --aim A_l:1 (expected ...)". CML_E_NUMERIC: adding-doubling has no answer. On
+ * success the caller clears *to. */
 CML_NODISCARD cml_status cml_aim_create(const char *aim, const struct cml_scene *scene,
-                                        const struct cml_surface_set *surfaces, struct cml_aim *to,
+                                        const struct cml_surface_set *surfaces, bool tail, struct cml_aim *to,
                                         struct cml_error *err);
 
 /* Makes the aim of --aim; empty without the option. CML_E_INPUT as cml_aim_create, and if adding-doubling has
- * no answer, or windows stand beside --derivatives. */
+ * no answer, because nothing flies without it, or windows stand beside --derivatives. */
 CML_NODISCARD cml_status cml_aim_for_run(const struct cml_options *options, const struct cml_scene *scene,
-                                         const struct cml_surface_set *surfaces, struct cml_aim *to,
-                                         struct cml_error *err);
+                                         const struct cml_surface_set *surfaces, bool tail,
+                                         struct cml_aim *to, struct cml_error *err);
 
 /* Makes engines that are opened with these options use the aim. */
 void cml_aim_use(const struct cml_aim *aim, struct cml_engine_options *options);

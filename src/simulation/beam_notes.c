@@ -2,29 +2,18 @@
 #include "simulation/beam_notes.h"
 
 #include "base/constants.h"
+#include "base/text.h"
 #include "simulation/scenes.h"
 #include "engine/world.h"
 #include "geometry/footprint.h"
 #include "scene/contact.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Shows a note on a line of the .mci file. */
-CML_PRINTF(3, 4)
-static void note_line(const struct cml_scene *scene, int line, const char *format, ...)
-{
-    char text[1024];
-    const int used = snprintf(text, sizeof text, "%.500s:%d: ", scene->file, line);
-    va_list values;
-    va_start(values, format);
-    vsnprintf(text + used, sizeof text - (size_t)used, format, values);
-    va_end(values);
-    cml_show_note(NULL, text);
-}
-
+/* Shows a note on a line of the .mci file, and on the line of a boundary. */
+#define note_line(scene, line, ...) cml_note("%.500s:%d: %s", (scene)->file, line, CML_TEXT(__VA_ARGS__))
 #define note(scene, b, ...) note_line(scene, (scene)->boundaries[b].line, __VA_ARGS__)
 
 /* Notes beams and maps that reach beyond the mesh of boundary b, where light meets the plane in which the

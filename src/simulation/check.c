@@ -289,7 +289,7 @@ static cml_status show(FILE *stream, const struct cml_options *options, const st
                        struct cml_error *err)
 {
     const double bytes = cml_memory_of(options, scene, surfaces).most;
-    struct cml_exact exact;
+    CML_AT_END(cml_exact_clear) struct cml_exact exact = {0};
     bool known = false;
     if (!options->json) print_scene(stream, options, scene, surfaces, starts, mean);
     cml_status status = solve_flat_twin(scene, &exact, &known, err);
@@ -300,7 +300,6 @@ static cml_status show(FILE *stream, const struct cml_options *options, const st
         cml_report_flat_twin(stream, scene, &exact);
     else if (status == CML_OK)
         fprintf(stream, "  no totals of the flat scene: %s\n", err->text);
-    if (known) cml_exact_clear(&exact);
     return status;
 }
 

@@ -9,6 +9,7 @@
 #include "scene/body/body_place.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,16 @@ void cml_show_note(void *context, const char *text)
 {
     (void)context;
     if (cml_notes.to) cml_notes.to(cml_notes.context, text);
+}
+
+void cml_note(const char *format, ...)
+{
+    char text[1400];
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text, sizeof text, format, values);
+    va_end(values);
+    cml_show_note(NULL, text);
 }
 
 /* Shows a note of the reader on rank 0 only, because all ranks read the same files. */

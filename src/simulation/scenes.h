@@ -17,6 +17,9 @@ extern _Thread_local struct cml_note_receiver cml_notes;
 /* A cml_note_function: hands one line to cml_notes. context: unused. */
 void cml_show_note(void *context, const char *text);
 
+/* Prints one line and hands it to cml_notes. A line of more than 1399 bytes is cut off. */
+CML_PRINTF(1, 2) void cml_note(const char *format, ...);
+
 /* Reads the first operand as a list of scenes, flat if the options say so, and checks that shapes do not
  * overlap. source NULL: files are read. CML_E_INPUT: *list is empty. */
 CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "simulation/simulation.h"
 
+#include "simulation/beam_notes.h"
 #include "simulation/scenes.h"
 #include "run/identity.h"
 
@@ -30,6 +31,18 @@ cml_status cml_check_differentiated(const struct cml_options *options, const str
     if (!options->engine_options.derivatives || scene->time.gates == 0) return CML_OK;
     return cml_fail(err, CML_E_INPUT, "%s:%d: a time line and --derivatives (expected no such line)",
                     scene->file, scene->time.line);
+}
+
+cml_status cml_simulation_check(const struct cml_options *options, const struct cml_scene *scene,
+                                const struct cml_surface_set *shared, struct cml_error *err)
+{
+    struct cml_surface_options surface = options->surface;
+    int of;
+    surface.shared = shared;
+    CML_TRY(cml_check_memory(options, scene, NULL, err));
+    CML_TRY(cml_check_starts(scene, &surface, err));
+    CML_TRY(cml_find_error_of(options, scene, &of, err));
+    return cml_aim_check(options, scene, shared, err);
 }
 
 void cml_simulation_begin(const struct cml_options *options, const struct cml_scene *scene, uint64_t seed,
@@ -63,7 +76,7 @@ cml_status cml_simulation_prepare(struct cml_simulation *sim, const struct cml_s
     CML_TRY(cml_choose_surfaces(&all, setup->scene, &sim->surfaces, err));
     CML_TRY(cml_check_memory(&all, setup->scene, &sim->surfaces, err));
     setup->surfaces = &sim->surfaces;
-    CML_TRY(cml_aim_for_run(&all, setup->scene, setup->surfaces, &sim->aim, err));
+    CML_TRY(cml_aim_for_run(&all, setup->scene, setup->surfaces, true, &sim->aim, err));
     cml_aim_use(&sim->aim, &setup->options);
     return cml_find_error_of(&all, setup->scene, &setup->error_of, err);
 }

@@ -25,6 +25,12 @@ CML_NODISCARD cml_status cml_check_flight_options(const struct cml_options *opti
 CML_NODISCARD cml_status cml_check_differentiated(const struct cml_options *options,
                                                   const struct cml_scene *scene, struct cml_error *err);
 
+/* Refuses before any flight what a run of the scene would refuse: memory, starts of beams, --error-of, --aim.
+ * shared: as in cml_surface_options. */
+CML_NODISCARD cml_status cml_simulation_check(const struct cml_options *options,
+                                              const struct cml_scene *scene,
+                                              const struct cml_surface_set *shared, struct cml_error *err);
+
 /* Sets all that options and scene alone decide. All arguments are borrowed. */
 void cml_simulation_begin(const struct cml_options *options, const struct cml_scene *scene, uint64_t seed,
                           uint32_t run, struct cml_simulation *sim);

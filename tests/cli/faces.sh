@@ -65,6 +65,8 @@ expect_code 0 check "$work/part.mci"
 grep -q 'faces and ports stop 50 % of beam 1, and count it in A_face' "$work/err" || complain "check: $(cat "$work/err")"
 expect_error 2 "$work/none.mci:5: beam = nothing of it passes boundary 0 (expected light that the open plane lets in; light of a fibre starts in its port: write beam port NAME)" \
     check "$(scene none 'beam disk 0.05' 'face disk 0.3 0.5\nport disk 0.05 n=1.5' ''; echo "$work/none.mci")"
+expect_error 2 "$work/bare.mci:10: beam = nothing of it passes boundary 0 (expected light that the open plane lets in; light of a fibre starts in its port: write beam port NAME)" \
+    check "$(scene bare '' 'port disk 0.05 n=1.5 at=1,0\nface disk 0.3 0.5' ''; echo "$work/bare.mci")" # the default pencil has no line: that of the face
 scene glow 'beam port 1 light=na:0.5' 'face 0.5 lambertian\nport disk 0.01 n=1.5' ""
 sed -i 's/1.4 0.5 50/1.4 0 0/' "$work/glow.mci"
 expect_code 0 check "$work/glow.mci"

@@ -10,7 +10,7 @@ scene=samples/shapes/hinoise.mci
 
 expect_code 0 $scene --photons 5e3 --quiet -o "$work"
 mv "$work/hinoise.mco" "$work/expected"
-expected="processes were started, but each sees only itself (expected the launcher of the MPI library that this program uses, or srun --mpi=pmix; a build without MPI needs an adapter: clustermcml help adapter)"
+expected="processes were started, but each sees only itself (expected the launcher of the MPI library that this program uses, or srun --mpi=pmix; a build without MPI needs an adapter and an MPI library: clustermcml help adapter)"
 (
     export SLURM_NTASKS=4 SLURM_STEP_NUM_TASKS=4
     expect_error 2 "SLURM_STEP_NUM_TASKS = 4 $expected" $scene --photons 100 -o "$work"

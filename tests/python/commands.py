@@ -13,8 +13,9 @@ import unittest.mock
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 from python_package import TOP, mc, np, xr  # noqa: E402
 from clustermcml import options  # noqa: E402
-from clustermcml.program import NO_ARGUMENTS, find_program  # noqa: E402
-from clustermcml.surface_files import write_gsf  # noqa: E402
+from clustermcml.options import NO_ARGUMENTS  # noqa: E402
+from clustermcml.program import find_program  # noqa: E402
+from clustermcml.surfaces import write_gsf  # noqa: E402
 
 SLAB = mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)
 RIDGES = os.path.join(TOP, "samples", "ridges.mci")

@@ -2,6 +2,7 @@
 rows of sweeps; no process starts and no folder is made; an interrupt stops a run, a sweep, a fit; many flights take no more memory; messages are
 those of the program; and without the library the program gives the same."""
 import ctypes
+import json
 import multiprocessing
 import os
 import shutil
@@ -11,6 +12,7 @@ import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
 import unittest.mock
 import warnings
@@ -149,6 +151,36 @@ class InProcess(unittest.TestCase):
             thread.join()
         self.assertEqual(found, expected)
 
+    @unittest.mock.patch("clustermcml.program._start", no_process)
+    def test_check_and_exact(self):
+        """mc.check and mc.exact are the lines that the program prints, with its notes as warnings and its refusals, and need no process."""
+        def plain(told):
+            """Returns an answer without memory and time, which differ between processes."""
+            return [{**run, "memory_bytes": 0, "boundaries": [{**one, "build_s": 0} for one in run["boundaries"]]} if "boundaries" in run else run for run in told]
+        cases = [("check", name, (), {}) for name in ("skinmap", "vein", "fibres", "ridges", "pattern", "fig5")] + [("exact", name, (), {}) for name in ("skin7", "ridges")]
+        cases += [("check", "thick", ("--threads", "3", "--set", "layer1.mua=0.2", "--ignore-absorption"), {"threads": 3, "set": {"layer1.mua": 0.2}, "ignore_absorption": True}),
+                  ("exact", "thick", ("--set", "layer1.mua=0.2"), {"set": {"layer1.mua": 0.2}}), ("check", self.two_runs(), (), {}), ("exact", self.two_runs(), (), {})]
+        for command, name, words, options in cases:
+            path = name if os.sep in name else sample(name)
+            with self.subTest(command=command, name=name), warnings.catch_warnings(record=True) as noted:
+                warnings.simplefilter("always")
+                mine = getattr(mc, command)(path, **options)
+                said = subprocess.run([find_program(), command, path, "--json", *words], capture_output=True, text=True, check=True)
+                self.assertEqual(repr(plain(mine)), repr(plain(map(json.loads, said.stdout.splitlines()))))
+                self.assertEqual([f"clustermcml: note: {one.message}" for one in noted], said.stderr.splitlines())
+                self.assertEqual({one.filename for one in noted} - {__file__}, set())
+        sealed = mc.Scene([SLAB], top=[mc.Face(0.5)])
+        for call, text in ((lambda: mc.check(mc.Scene([SLAB], beam=mc.Beam(z=0.1))), "^Scene: beam: "), (lambda: mc.check(sample("fig5"), set={"layer1.mua": -1}), r"--set: layer1.mua = -1 \(expected"),
+                           (lambda: mc.exact(mc.Scene([SLAB]), set={"layer2.mua": 1}), "a name that the Scene knows"), (lambda: mc.check(os.devnull), "/dev/null"),
+                           (lambda: mc.check(sealed), "^Scene: beam = nothing of it passes boundary 0")):
+            with self.assertRaisesRegex(mc.InputError, text):
+                call()
+
+    def test_an_older_library(self):
+        """A library that lacks a function counts as none."""
+        with unittest.mock.patch("ctypes.CDLL", return_value=types.SimpleNamespace(clm_api=lambda: library.API)):
+            self.assertIsNone(library._load.__wrapped__(find_program()))
+
     def test_without_the_library(self):
         """A program that no library stands beside flies sweeps and fits by itself, with the same bits."""
         def fly():
@@ -177,6 +209,7 @@ class InProcess(unittest.TestCase):
         def interrupt():
             time.sleep(0.7)
             signal.pthread_kill(main, signal.SIGINT)
+        self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))  # a test that was started with & ignores it
         endless = {"photons": 1e13, "threads": 1}
         for name, work in (("run", lambda: mc.run(sample("thick"), **endless)), ("sweep", lambda: mc.sweep(sample("thick"), {"layer1.mua": [1, 2]}, **endless)),
                            ("sweep of one flight", lambda: mc.sweep(sample("thick"), {"layer1.mua": [1, 2]}, reweight=True, **endless)),
@@ -192,7 +225,7 @@ class InProcess(unittest.TestCase):
         """Flights leave nothing behind."""
         loaded = library.find(find_program(), [])
         count, held = 10000 if WHOLE else 900, []
-        with library.Scene(loaded, sample("fig5"), None, ["--photons", "100", "--threads", "1"], str) as scene:
+        with library.Runs(loaded, sample("fig5"), ["--photons", "100", "--threads", "1"]) as scene:
             for k in range(count):
                 self.assertEqual(loaded.clm_scene_set_number(scene.scene, 0, b"layer1.mua", ctypes.c_double(0.1 + k / count)), 0)
                 result = scene.fly(["--seed", str(k)], Progress(False))

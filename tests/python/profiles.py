@@ -3,6 +3,7 @@
 With the argument `long N [M]`: N random materials, each with the default error and again with M packets of another seed. The printed L1 must hold
 for the second profile."""
 import contextlib
+import functools
 import io
 import json
 import os
@@ -25,6 +26,12 @@ def slab(top=None, **values):
     return mc.Scene([mc.Layer(n=1.4, mua=2, mus=100, g=0.8, d=0.2, top=top)], photons=20000, **values)
 
 
+@functools.lru_cache(maxsize=None)
+def plain():
+    """Returns the profile of the slab, flown once for all tests that only look at it."""
+    return mc.profile(slab(), target_error=None)
+
+
 def made(kind, weights, lengths, photons=0.0, seed=0):
     """Returns a profile whose parameters are known. With photons > 0, returns a random sample of so many packets."""
     light = np.asarray(weights) @ shares_of(kind, EDGES, np.asarray(lengths))
@@ -42,7 +49,7 @@ class Flights(unittest.TestCase):
     def test_all_of_the_light_is_there(self):
         """Light in the rings and beyond them adds up to Rd, which is Rd by adding-doubling."""
         for light in ("normal", "diffuse"):
-            found = mc.profile(slab(), light, target_error=None)
+            found = plain() if light == "normal" else mc.profile(slab(), light, target_error=None)
             r = found.r.values
             total = float((found.S * 2 * np.pi * r * 2 * r[0]).sum() + found.beyond)
             self.assertLess(abs(total / float(found.Rd) - 1), 1e-12)
@@ -50,12 +57,12 @@ class Flights(unittest.TestCase):
             self.assertTrue(0.997 < float(found.cdf[-1]) < 0.9999, float(found.cdf[-1]))
             self.assertAlmostEqual(float(found.cdf[-1]), 1 - float(found.beyond / found.Rd), 12)
             self.assertTrue((np.diff(found.cdf.values) >= 0).all())
-        found = mc.profile(slab(), target_error=None)
+        found = plain()
         self.assertAlmostEqual(float(found.Rd), float(mc.run(slab(), ignore_absorption=True).Rd), 12)
         self.assertLess(abs(float(found.Rd) - mc.exact(slab())[0]["Rd"]), 5 * float(found.Rd_se))
 
     def test_errors_are_those_of_other_seeds(self):
-        a, b = (mc.profile(slab(), target_error=None, seed=seed) for seed in (1, 1))
+        a, b = plain(), mc.profile(slab(), target_error=None, seed=1)
         np.testing.assert_array_equal(a.S.values, b.S.values)
         width, other = 2 * a.r.values[0], mc.profile(slab(), target_error=None, seed=7)
         below = np.interp(np.append(0, a.r.values + width / 2), np.append(0, other.r.values + other.r.values[0]), np.append(0, other.cdf.values))
@@ -65,7 +72,7 @@ class Flights(unittest.TestCase):
         self.assertLess((((mine - shares) / error) ** 2).sum(), 45)  # chi square with 20 degrees of freedom is above 45 in 1 of 1000 cases
 
     def test_rounds_until_the_noise_is_small(self):
-        one = mc.profile(slab(), target_error=None)
+        one = plain()
         with unittest.mock.patch.object(profile_flight, "_fly_planes", side_effect=profile_flight._fly_planes) as rounds:
             found = mc.profile(slab(), target_error=0.7 * float(one.noise))
         seeds = [call.args[-1] for call in rounds.call_args_list]
@@ -91,7 +98,7 @@ class Flights(unittest.TestCase):
 
     def test_channels_are_the_scenes_that_they_set(self):
         found = mc.profile(slab(), target_error=None, channels={"nm": [450, 650], "layer1.mua": [5, 2], "layer1.n": [1.5, 1.4]})
-        alone = mc.profile(slab(), target_error=None)
+        alone = plain()
         np.testing.assert_array_equal(found.S.sel(channel=650).values, alone.S.values)
         self.assertEqual(found.n.values.tolist(), [1.5, 1.4])
         self.assertEqual(found.fit("exponentials").w.dims, ("channel", "term"))
@@ -172,7 +179,7 @@ class Files(unittest.TestCase):
     def test_what_is_printed_is_what_the_table_says(self):
         """The printed L1 of all curves equals L1 computed from the .csv with the parameters of the .json."""
         with tempfile.TemporaryDirectory() as folder:
-            found = mc.profile(slab(), target_error=None)
+            found = mc.Profile(plain().data)
             paths = [os.path.join(folder, name) for name in ("a.csv", "a.json", "a.svg", "b.csv", "b.json", "b.svg")]
             for one, names in ((found, paths[:3]), (mc.profile(slab(), target_error=None, threads=1), paths[3:])):
                 one.to_csv(names[0])

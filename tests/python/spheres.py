@@ -133,11 +133,11 @@ class Readings(unittest.TestCase):
 
 
 class Fits(unittest.TestCase):
-    def readings(self, scene, instrument, **options):
-        """Returns readings of a scene by one long flight, and one in diffuse light, with errors of 0.5 %."""
+    def readings(self, scene, instrument, result):
+        """Returns readings of a scene by its one long flight, and one in diffuse light, with errors of 0.5 %."""
         port = instrument["port"]
         light = mc.run(mc.Scene(scene.layers, nr=50, dr=0.05, beam=mc.Beam("disk", radius=port, light="lambertian")), photons=1e5, seed=88) if "wall" in instrument else None
-        seen = mc.sphere(mc.run(scene, photons=1e5, seed=77), diffuse=light, **instrument)
+        seen = mc.sphere(result, diffuse=light, **instrument)
         return {name: (float(seen[name]), 0.005 * float(seen[name])) for name in ("M_R", "M_T")}
 
     def test_a_fit_with_lost_light_finds_what_a_fit_without_misses(self):
@@ -145,8 +145,10 @@ class Fits(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "slab.mci")
             slab(beam=mc.Beam("disk", radius=0.1), detectors=[mc.Detector("disk", radius=0.1, name="own")]).write(path)
+            scene = slab(beam=mc.Beam("disk", radius=0.1))
+            result = mc.run(scene, photons=1e5, seed=77)
             for instrument in (SPHERE, {"port": 0.5, "specular": False}):
-                data = self.readings(slab(beam=mc.Beam("disk", radius=0.1)), instrument)
+                data = self.readings(scene, instrument, result)
                 fit = mc.fit(path, BOUNDS, data, sphere=instrument, photons=2e4)
                 for name, value in TRUTH.items():
                     self.assertLess(abs(fit.values[name] - value), 4 * fit.errors[name], (instrument, name))

@@ -148,18 +148,15 @@ static void print_list(FILE *stream)
     fprintf(stream, "%s\ncommands\n", usage);
     for (int i = 0; i < CML_NUM_COMMANDS; i++) {
         const struct cml_command_def *command = &cml_commands[i];
-        char typed[80];
-        snprintf(typed, sizeof typed, "%s%s%s%s%s", i == 0 ? "[" : "", command->name, i == 0 ? "]" : "",
-                 command->operands[0] ? " " : "", command->operands);
-        print_item(stream, typed, command->summary);
+        print_item(stream,
+                   CML_TEXT("%s%s%s%s%s", i == 0 ? "[" : "", command->name, i == 0 ? "]" : "",
+                            command->operands[0] ? " " : "", command->operands),
+                   command->summary);
     }
     print_topics(stream);
     fprintf(stream, "\nexit codes\n");
-    for (size_t i = 0; i < sizeof exit_codes / sizeof *exit_codes; i++) {
-        char code[8];
-        snprintf(code, sizeof code, "%d", exit_codes[i].code);
-        print_item(stream, code, exit_codes[i].text);
-    }
+    for (size_t i = 0; i < sizeof exit_codes / sizeof *exit_codes; i++)
+        print_item(stream, CML_TEXT("%d", exit_codes[i].code), exit_codes[i].text);
     fprintf(stream, "\nexamples\n  clustermcml samples/mcml_sample.mci\n"
                     "  clustermcml samples/shapes/hihill.mci --photons 1e7 -o results\n"
                     "  clustermcml plot results/hihill.mco -o hihill.svg\n");
@@ -181,10 +178,8 @@ static void print_command(FILE *stream, enum cml_command which)
 /* Prints an option with its commands, then what the manual says about it. */
 static void print_one_option(FILE *stream, const struct cml_option *option)
 {
-    char typed[48];
-    snprintf(typed, sizeof typed, "--%s", option->name);
     print_option(stream, option, true);
-    cml_manual_print_word(stream, typed);
+    cml_manual_print_word(stream, CML_TEXT("--%s", option->name));
 }
 
 /* Refuses an option --NAME that does not exist, and suggests the one with the most similar name. */
@@ -245,10 +240,9 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
         fputs(page->text, stream);
         return CML_OK;
     }
-    char dashed[64];
-    snprintf(dashed, sizeof dashed, "--%s", topic);
     option = cml_option_find(topic, strlen(topic));
     if (option) print_one_option(stream, option);
-    found = cml_manual_print_word(stream, topic) > 0 || option || cml_manual_print_word(stream, dashed) > 0;
+    found = cml_manual_print_word(stream, topic) > 0 || option ||
+            cml_manual_print_word(stream, CML_TEXT("--%s", topic)) > 0;
     return found ? CML_OK : refuse_topic(topic, err);
 }

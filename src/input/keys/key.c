@@ -10,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Returns the first row of a group in the table of keys; the group's other rows follow. */
 const struct cml_key *cml_keys_of(enum cml_key_group group)
 {
     const struct cml_key *key = cml_key_table;
@@ -49,7 +48,6 @@ void cml_key_store(const struct cml_key *key, void *base, double value)
         *(double *)member = key->type == CML_KEY_ANGLE ? value * (CML_PI / 180) : value;
 }
 
-/* Returns an angle in degrees, rounded to 14 digits, which hides the rounding of radians: 30 stays 30. */
 double cml_key_degrees(double angle)
 {
     char digits[32];
@@ -57,8 +55,6 @@ double cml_key_degrees(double angle)
     return strtod(digits, NULL);
 }
 
-/* Returns the number in the struct member that the key names, in the unit of the file: radians become
- * degrees. */
 double cml_key_load(const struct cml_key *key, const void *base)
 {
     const void *member = (const char *)base + key->member;
@@ -115,8 +111,6 @@ const char *cml_key_expected(const struct cml_key *key, char text[CML_KEY_TEXT])
     return text;
 }
 
-/* Writes the range of a key for a column of the help: "0 to 1e30"; for keys that are no numbers their
- * words. */
 const char *cml_key_range(const struct cml_key *key, char text[CML_KEY_TEXT])
 {
     char least[24], most[24];
@@ -134,14 +128,12 @@ const char *cml_key_range(const struct cml_key *key, char text[CML_KEY_TEXT])
     return text;
 }
 
-/* Returns the default of a key in words, for the help; "required" if it has none. */
 const char *cml_key_fallback(const struct cml_key *key)
 {
     return key->fallback ? key->fallback : key->type == CML_KEY_FLAG ? "no" : "required";
 }
 
-/* Returns the unit of a setting from the last part of its name, such as "1/cm" for layer1.mua; "1" without a
- * unit. Phase functions have names of their own. */
+/* Phase functions have names of their own. */
 const char *cml_key_unit(const char *name)
 {
     const char *dot = strrchr(name, '.');

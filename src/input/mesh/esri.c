@@ -130,18 +130,17 @@ static bool is_missing(const struct grid *g, double height)
 static cml_status read_heights(struct grid *g, const char *word, double unit, struct cml_heightmap *map)
 {
     const size_t cells = (size_t)map->nx * (size_t)map->ny;
-    char name[64];
     for (size_t i = 0; i < cells; i++, word = next_word(g)) {
         double height = 0;
         const bool number = word && parse_height(word, &height), missing = number && is_missing(g, height);
-        if (!number || (!missing && fabs(height * unit) > CML_HIGHEST_SAMPLE)) {
-            snprintf(name, sizeof name, "height in row %zu, column %zu", i / (size_t)map->nx + 1,
-                     i % (size_t)map->nx + 1);
-            return fail(g, name, word,
-                        !word     ? "ncols x nrows numbers, the file ends before"
-                        : !number ? "a number"
-                                  : "-1e30..1e30 cm, or NODATA_value");
-        }
+        if (!number || (!missing && fabs(height * unit) > CML_HIGHEST_SAMPLE))
+            return fail(
+                g,
+                CML_TEXT("height in row %zu, column %zu", i / (size_t)map->nx + 1, i % (size_t)map->nx + 1),
+                word,
+                !word     ? "ncols x nrows numbers, the file ends before"
+                : !number ? "a number"
+                          : "-1e30..1e30 cm, or NODATA_value");
         map->h[i] = missing ? NAN : height * unit;
     }
     return word ? fail(g, "word behind the last height", word, "the end of the file") : CML_OK;
@@ -161,7 +160,6 @@ static cml_status read_grid(struct grid *g, double unit, struct cml_heightmap *m
     return cml_heightmap_check(g->text.path, map, g->err);
 }
 
-/* Reads an ESRI ASCII grid as a heightmap, with its middle at x = y = 0. The file does not say its unit. */
 cml_status cml_esri_read(const struct cml_text_source *source, const char *path, double unit,
                          struct cml_heightmap *map, struct cml_error *err)
 {

@@ -111,13 +111,12 @@ static cml_status read_header(struct field *f)
 static cml_status check_header(const struct field *f)
 {
     const char *path = f->text.path, *without = f->pixels ? "" : ", without which slopes are unknown";
-    char width[64], height[64];
-    snprintf(width, sizeof width, "the width%s", without);
-    snprintf(height, sizeof height, "the height%s", without);
     if (f->xres == 0) return cml_fail_field(f->err, path, 0, "XRes", NULL, "the number of columns");
     if (f->yres == 0) return cml_fail_field(f->err, path, 0, "YRes", NULL, "the number of rows");
-    if (f->xreal == 0) return cml_fail_field(f->err, path, 0, "XReal", NULL, width);
-    if (f->yreal == 0) return cml_fail_field(f->err, path, 0, "YReal", NULL, height);
+    if (f->xreal == 0)
+        return cml_fail_field(f->err, path, 0, "XReal", NULL, CML_TEXT("the width%s", without));
+    if (f->yreal == 0)
+        return cml_fail_field(f->err, path, 0, "YReal", NULL, CML_TEXT("the height%s", without));
     return CML_OK;
 }
 
@@ -171,32 +170,30 @@ static bool is_absurd(double value)
 static cml_status check_order(const struct field *f, const char *data, size_t count)
 {
     size_t first = count;
-    char name[64], value[80];
     for (size_t i = 0; i < count; i++) {
         if (is_absurd(cml_number_decode(data + 4 * i, CML_FLOAT, true))) return CML_OK;
         if (first == count && is_absurd(cml_number_decode(data + 4 * i, CML_FLOAT, false))) first = i;
     }
     if (first == count) return CML_OK;
     const char *at = data + 4 * first;
-    snprintf(name, sizeof name, "row %zu, column %zu", first / (size_t)f->xres + 1,
-             first % (size_t)f->xres + 1);
-    snprintf(value, sizeof value, "%.4g, or %.4g with its bytes reversed",
-             cml_number_decode(at, CML_FLOAT, false), cml_number_decode(at, CML_FLOAT, true));
-    return cml_fail_field(f->err, f->text.path, 0, name, value,
-                          "floats with the lowest byte first; these look big-endian");
+    return cml_fail_field(
+        f->err, f->text.path, 0,
+        CML_TEXT("row %zu, column %zu", first / (size_t)f->xres + 1, first % (size_t)f->xres + 1),
+        CML_TEXT("%.4g, or %.4g with its bytes reversed", cml_number_decode(at, CML_FLOAT, false),
+                 cml_number_decode(at, CML_FLOAT, true)),
+        "floats with the lowest byte first; these look big-endian");
 }
 
 /* Refuses missing heights, and heights so large that later products would overflow. */
 static cml_status check_heights(const struct field *f, const struct cml_heightmap *map)
 {
     const size_t nx = (size_t)map->nx;
-    char name[64], value[40];
     CML_TRY(cml_heightmap_check(f->text.path, map, f->err));
     for (size_t i = 0; i < nx * (size_t)map->ny; i++) {
         if (fabs(map->h[i]) <= CML_HIGHEST_SAMPLE) continue;
-        snprintf(name, sizeof name, "height in row %zu, column %zu", i / nx + 1, i % nx + 1);
-        snprintf(value, sizeof value, "%.7g cm", map->h[i]);
-        return cml_fail_field(f->err, f->text.path, 0, name, value, "-1e30..1e30 cm");
+        return cml_fail_field(f->err, f->text.path, 0,
+                              CML_TEXT("height in row %zu, column %zu", i / nx + 1, i % nx + 1),
+                              CML_TEXT("%.7g cm", map->h[i]), "-1e30..1e30 cm");
     }
     return CML_OK;
 }
@@ -235,14 +232,12 @@ static cml_status read_file(const struct cml_text_source *source, const char *pa
     return status;
 }
 
-/* Reads a Gwyddion simple field as a heightmap in cm. */
 cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
                         struct cml_heightmap *map, struct cml_error *err)
 {
     return read_file(source, path, unit, false, map, err);
 }
 
-/* Reads a Gwyddion simple field as an image, whose values keep their unit. */
 cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char *path,
                                struct cml_heightmap *map, struct cml_error *err)
 {

@@ -41,12 +41,9 @@ static cml_status split_face(const char *path, const struct cml_polygons *polygo
         memcpy(triangle[0], corner, sizeof triangle[0]);
         return CML_OK;
     }
-    if (size > CML_POLYGON_MAX_CORNERS) {
-        char why[40], expected[24];
-        snprintf(why, sizeof why, "has %u corners", size);
-        snprintf(expected, sizeof expected, "3 to %d", CML_POLYGON_MAX_CORNERS);
-        return fail_face(path, polygons, face, why, expected, err);
-    }
+    if (size > CML_POLYGON_MAX_CORNERS)
+        return fail_face(path, polygons, face, CML_TEXT("has %u corners", size),
+                         CML_TEXT("3 to %d", CML_POLYGON_MAX_CORNERS), err);
     double bend = 0;
     const char *why = cml_polygon_split((const double(*)[3])polygons->vertex, corner, size, triangle, &bend);
     bent->count += bend > 0;
@@ -193,24 +190,21 @@ static cml_status read_polygons(const struct cml_text_source *source, const char
 {
     const struct format *format = find_format(path);
     if (!format) return cml_fail_field(err, path, 0, "file", path, "an " CML_MESH_FILE_ENDINGS " file");
-    struct cml_text text;
+    CML_AT_END(cml_text_clear) struct cml_text text = {0};
     struct cml_mesh_budget ours = *budget;
     CML_TRY(format->load(source, path, &text, err));
     ours.read = (double)text.size;
-    const cml_status status = format->read(&text, &ours, polygons, err);
-    cml_text_clear(&text);
-    return status;
+    return format->read(&text, &ours, polygons, err);
 }
 
 cml_status cml_mesh_file_read(const struct cml_text_source *source, const char *path,
                               const struct cml_mesh_file_options *options, struct cml_mesh *mesh,
                               struct cml_mesh_notes *notes, struct cml_error *err)
 {
-    struct cml_polygons polygons = {0};
+    CML_AT_END(cml_polygons_clear) struct cml_polygons polygons = {0};
     *mesh = (struct cml_mesh){0};
     cml_status status = read_polygons(source, path, &options->budget, &polygons, err);
     if (status == CML_OK) status = build_mesh(path, &polygons, options, mesh, notes, err);
-    cml_polygons_clear(&polygons);
     if (status != CML_OK) cml_mesh_clear(mesh);
     return status;
 }

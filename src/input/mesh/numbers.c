@@ -45,10 +45,9 @@ char *cml_numbers_word(struct cml_numbers *in)
 cml_status cml_numbers_fail(const struct cml_numbers *in, const char *name, const char *value,
                             const char *expected)
 {
-    char place[80];
     if (!in->binary) return cml_fail_field(in->err, in->text->path, in->line, name, value, expected);
-    snprintf(place, sizeof place, "byte %zu: %s", (size_t)(in->cursor - in->text->data) + 1, name);
-    return cml_fail_field(in->err, in->text->path, 0, place, value, expected);
+    const size_t byte = (size_t)(in->cursor - in->text->data) + 1;
+    return cml_fail_field(in->err, in->text->path, 0, CML_TEXT("byte %zu: %s", byte, name), value, expected);
 }
 
 static bool is_allowed(double value, double most)

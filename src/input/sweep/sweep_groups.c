@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* True if a column of the sweep sets an absorption coefficient, as its name ends in .mua. */
 bool cml_sweep_is_absorption(const char *name)
 {
     const char *dot = strrchr(name, '.');
@@ -39,20 +38,15 @@ static bool may_share(const struct cml_sweep_table *table, const struct cml_swee
     return true;
 }
 
-/* Divides the rows of a sweep into groups that one flight can serve. A row joins the first group whose first
- * row it may share a flight with. */
+/* A row joins the first group whose first row it may share a flight with. */
 cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml_sweep_medium *media,
                            int **group, int *num_groups, struct cml_error *err)
 {
     const size_t rows = (size_t)table->num_rows;
-    int *first = calloc(rows, sizeof *first), count = 0; /* first row of each group */
-    *group = calloc(rows, sizeof **group);
-    if (!*group || !first) {
-        free(first);
-        free(*group);
-        *group = NULL;
-        return cml_fail_memory(err, 2.0 * (double)(rows * sizeof **group), "the rows");
-    }
+    CML_FREED int *first = NULL; /* first row of each group */
+    int count = 0;
+    CML_TRY(cml_zeros(&first, rows, sizeof *first, "the rows", err));
+    CML_TRY(cml_zeros(group, rows, sizeof **group, "the rows", err));
     for (int row = 0; row < table->num_rows; row++) {
         int number = 0;
         while (number < count && !may_share(table, media, first[number], row)) number++;
@@ -60,6 +54,5 @@ cml_status cml_sweep_group(const struct cml_sweep_table *table, const struct cml
         (*group)[row] = number;
     }
     *num_groups = count;
-    free(first);
     return CML_OK;
 }

@@ -82,10 +82,8 @@ static cml_status fail_at(const struct cml_text *text, const char *field, const 
 static cml_status check_quotes(const struct cml_sweep_table *table, const struct cell *cell, int column,
                                struct cml_error *err)
 {
-    char field[32];
     if (!cell->quoted || (cell->behind && !*cell->behind)) return CML_OK;
-    snprintf(field, sizeof field, "column %d", column + 1);
-    return fail_at(&table->text, field, cell->behind ? cell->behind : cell->text,
+    return fail_at(&table->text, CML_TEXT("column %d", column + 1), cell->behind ? cell->behind : cell->text,
                    cell->behind ? "a comma behind the closing quotation mark"
                                 : "a closing quotation mark in the line",
                    err);
@@ -95,10 +93,9 @@ static cml_status check_quotes(const struct cml_sweep_table *table, const struct
  * setting. */
 static cml_status read_name(struct cml_sweep_table *table, const struct cell *cell, struct cml_error *err)
 {
-    char field[32];
     const char *name = cell->text;
     const int column = table->num_columns;
-    snprintf(field, sizeof field, "column %d", column + 1);
+    const char *field = CML_TEXT("column %d", column + 1);
     CML_TRY(check_quotes(table, cell, column, err));
     if (*name == '\0' || strlen(name) >= sizeof *table->name)
         return fail_at(&table->text, field, name,
@@ -131,10 +128,8 @@ static cml_status read_header(struct cml_sweep_table *table, struct cml_error *e
     char *line = next_line(&table->text);
     if (!line) return fail_at(&table->text, "the line of names", NULL, "layer1.mua, photons or others", err);
     table->names_line = table->text.line;
-    table->name = calloc(CML_MOST_SETTINGS, sizeof *table->name);
-    table->label = calloc(CML_MOST_SETTINGS, sizeof *table->label);
-    if (!table->name || !table->label)
-        return cml_fail_memory(err, CML_MOST_SETTINGS * sizeof *table->name, "a table");
+    CML_TRY(cml_zeros(&table->name, CML_MOST_SETTINGS, sizeof *table->name, "a table", err));
+    CML_TRY(cml_zeros(&table->label, CML_MOST_SETTINGS, sizeof *table->label, "a table", err));
     for (struct cell cell; next_cell(&line, &cell);) {
         if (table->num_columns == CML_MOST_SETTINGS)
             return fail_at(&table->text, "columns", cell.text, "at most 256", err);
@@ -146,7 +141,6 @@ static cml_status read_header(struct cml_sweep_table *table, struct cml_error *e
 /* Adds a row with the cells of a line. Every column needs a value. Cells point into the text of the table. */
 static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml_error *err)
 {
-    char value[16], expected[96];
     int cells = 0;
     if (table->num_rows == MOST_ROWS) return fail_at(&table->text, "rows", "more", "at most 1000000", err);
     const size_t rows = (size_t)table->num_rows, columns = (size_t)table->num_columns;
@@ -159,15 +153,14 @@ static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml
         if (cells >= table->num_columns) continue;
         table->cell[(size_t)row * (size_t)table->num_columns + (size_t)cells] = cell.text;
         if (*cell.text) continue;
-        char field[CML_SETTING_NAME + 32];
-        snprintf(field, sizeof field, "column %d, %s", cells + 1, table->name[cells]);
-        return fail_at(&table->text, field, NULL, "a value", err);
+        return fail_at(&table->text, CML_TEXT("column %d, %s", cells + 1, table->name[cells]), NULL,
+                       "a value", err);
     }
     if (cells == table->num_columns) return CML_OK;
-    snprintf(value, sizeof value, "%d", cells);
-    snprintf(expected, sizeof expected, "%d, as many as names%s", table->num_columns,
-             cells > table->num_columns ? "; commas part cells, decimals have a point" : "");
-    return fail_at(&table->text, "number of cells", value, expected, err);
+    return fail_at(&table->text, "number of cells", CML_TEXT("%d", cells),
+                   CML_TEXT("%d, as many as names%s", table->num_columns,
+                            cells > table->num_columns ? "; commas part cells, decimals have a point" : ""),
+                   err);
 }
 
 /* Reads the names of columns and all rows of a sweep. */
@@ -179,7 +172,6 @@ static cml_status read_table(struct cml_sweep_table *table, struct cml_error *er
     return fail_at(&table->text, "the first row", NULL, "a value for every name", err);
 }
 
-/* Reads the table of --sweep: a row of names, then a row of values for each run. */
 cml_status cml_sweep_table_read(const struct cml_text_source *source, const char *path,
                                 struct cml_sweep_table *table, struct cml_error *err)
 {
@@ -190,7 +182,6 @@ cml_status cml_sweep_table_read(const struct cml_text_source *source, const char
     return status;
 }
 
-/* Frees a table of --sweep. */
 void cml_sweep_table_clear(struct cml_sweep_table *table)
 {
     cml_text_clear(&table->text);
@@ -201,8 +192,6 @@ void cml_sweep_table_clear(struct cml_sweep_table *table)
     *table = (struct cml_sweep_table){0};
 }
 
-/* Returns a cell of the table as a setting that remembers its line and column for messages. Its value points
- * into the table. */
 struct cml_setting cml_sweep_cell(const struct cml_sweep_table *table, int row, int column)
 {
     struct cml_setting setting = {

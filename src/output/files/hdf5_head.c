@@ -107,8 +107,6 @@ static bool is_array_sound(hid_t file, const char *name, const char *ending)
     return sound;
 }
 
-/* Reads the number of photons and the identity of a result, and checks that its totals and the named arrays
- * are undamaged. Returns false if the file is missing or damaged: a merge must not trust it. */
 bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, struct cml_hdf5_head *head)
 {
     memset(head, 0, sizeof *head);
@@ -123,7 +121,6 @@ bool cml_hdf5_read_head(const char *path, const char *const *arrays, int count, 
     return good;
 }
 
-/* True if the file is an HDF5 file that another program wrote; a run must not overwrite such a file. */
 bool cml_hdf5_is_foreign(const char *path)
 {
     char source[128] = "";

@@ -169,7 +169,6 @@ cml_status cml_vtp_write(const char *path, const char *comment, const struct cml
     return end_file(&file, err);
 }
 
-/* True if a VTK file begins with the given comment, by which a run recognises its own file. */
 bool cml_vtk_has_comment(const char *path, const char *comment)
 {
     char expected[128], found[sizeof expected];
@@ -181,7 +180,6 @@ bool cml_vtk_has_comment(const char *path, const char *comment)
     return count == length && memcmp(found, expected, length) == 0;
 }
 
-/* True if a VTK file ends with the last line that the writer writes, so that nothing was cut off. */
 bool cml_vtk_is_whole(const char *path)
 {
     char found[sizeof LAST_LINE];

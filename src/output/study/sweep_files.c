@@ -413,11 +413,11 @@ static cml_status write_h5(const char *path, const struct grid *grid, struct fie
     return cml_hdf5_write(path, attributes, count, &r->call, list->field, list->count, err);
 }
 
-/* Writes the results of a sweep as HDF5. If the rows form a full grid of settings, each setting becomes an
- * axis; otherwise the rows are the only axis. `most` bounds the number of fields. */
+/* `most` bounds the number of fields. */
 cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *results,
                               struct cml_error *err)
 {
+    static const char what[] = "the results of a sweep";
     const size_t rows = (size_t)results->num_rows, columns = (size_t)results->num_columns;
     const size_t layers = (size_t)count_of(results, CML_RECORDED_LAYERS),
                  bodies = (size_t)count_of(results, CML_RECORDED_BODIES),
@@ -426,28 +426,23 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
                  most = 2 * (CML_NUM_TOTALS + 2 * layers + (1 + CML_BODY_SIDES) * bodies + expected +
                              detectors) +
                         columns + 4;
-    struct grid grid = {.results = results};
+    CML_FREED struct cml_field *field = NULL;
+    CML_FREED double *value = NULL, *cell = NULL, *axis_values = NULL;
+    CML_FREED int *row = NULL;
+    CML_TRY(cml_zeros(&field, most, sizeof *field, what, err));
+    CML_TRY(cml_zeros(&value, most * rows, sizeof *value, what, err));
+    CML_TRY(cml_zeros(&cell, rows * columns, sizeof *cell, what, err));
+    CML_TRY(cml_zeros(&axis_values, rows * columns, sizeof *axis_values, what, err));
+    CML_TRY(cml_zeros(&row, rows, sizeof *row, what, err));
+    for (size_t i = 0; i < rows * columns; i++) cell[i] = strtod(results->cell[i], NULL);
+    struct grid grid = {.results = results, .value = cell, .axis_values = axis_values, .row = row};
     struct fields list = {.grid = &grid,
-                          .field = calloc(most, sizeof *list.field),
-                          .value = calloc(most * rows, sizeof *list.value),
+                          .field = field,
+                          .value = value,
+                          .free = value,
                           .layer = cml_quantity_axis(CML_AXIS_layer, layers, 1, 1),
                           .body = cml_quantity_axis(CML_AXIS_body, bodies, 1, 1),
                           .side = cml_quantity_axis(CML_AXIS_side, CML_BODY_SIDES, 1, 1)};
-    list.free = list.value;
-    grid.value = calloc(rows * columns, sizeof *grid.value);
-    grid.axis_values = calloc(rows * columns, sizeof *grid.axis_values);
-    grid.row = calloc(rows, sizeof *grid.row);
-    cml_status status = CML_OK;
-    if (list.field && list.value && grid.value && grid.axis_values && grid.row) {
-        for (size_t i = 0; i < rows * columns; i++) grid.value[i] = strtod(results->cell[i], NULL);
-        arrange(&grid);
-        status = write_h5(path, &grid, &list, err);
-    } else
-        status = cml_fail_memory(err, 16.0 * (double)(rows * columns), "the results of a sweep");
-    free(list.field);
-    free(list.value);
-    free(grid.value);
-    free(grid.axis_values);
-    free(grid.row);
-    return status;
+    arrange(&grid);
+    return write_h5(path, &grid, &list, err);
 }

@@ -151,11 +151,10 @@ def main() -> int:
     """Runs the command that `clustermcml brdf`, `compare`, `plot`, `profile` or `view` hands over, else `fit`. Returns the exit
     code."""
     commands = {"brdf": ".brdf", "compare": ".compare", "plot": ".plot", "profile": ".profile", "view": ".view"}
-    if len(sys.argv) < 2 or sys.argv[1] not in commands:
-        return fit_main()
+    command = sys.argv[1] if len(sys.argv) > 1 else ""
     warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {shown_path(str(text))}", file=sys.stderr)
     try:
-        found: int = importlib.import_module(commands[sys.argv[1]], __package__).main(sys.argv[2:])
+        found: int = importlib.import_module(commands[command], __package__).main(sys.argv[2:]) if command in commands else fit_main()
         return found
     except errors.ClustermcmlError as error:
         print(f"clustermcml: {shown_path(str(error))}", file=sys.stderr)
@@ -168,7 +167,7 @@ def main() -> int:
         if os.environ.get("CLUSTERMCML_TRACEBACK"):
             raise
         words = shown_path(" ".join(f"{type(error).__name__}: {error}".split()))
-        print(f"clustermcml: {sys.argv[1]}: {words} (set CLUSTERMCML_TRACEBACK=1 to see where)", file=sys.stderr)
+        print(f"clustermcml: {command}: {words} (set CLUSTERMCML_TRACEBACK=1 to see where)", file=sys.stderr)
         return 2
 
 
@@ -182,7 +181,6 @@ def fit_main() -> int:
     parser.add_argument("-o", "--output", help="a picture of the first profile, model and measured: .svg, .png, .pdf or .eps")
     _add_options(parser)
     words = parser.parse_args()
-    warnings.showwarning = lambda text, *_: print(f"clustermcml: note: {shown_path(str(text))}", file=sys.stderr)
     try:
         measured = _measured(words.measured, words.scene)
         if words.output is not None and not set(PROFILES) & set(measured):
@@ -194,9 +192,9 @@ def fit_main() -> int:
         if words.output is not None:
             found.plot(words.output)
     except errors.ClustermcmlError as error:
-        where = f"{words.measured}: " if str(error).startswith("measured") else ""
-        print(f"clustermcml: {shown_path(f'{where}{error}')}", file=sys.stderr)
-        return error.exit_code
+        if str(error).startswith("measured"):
+            error.args = (f"{words.measured}: {error}",)
+        raise
     return code
 
 

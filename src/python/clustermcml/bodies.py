@@ -6,21 +6,27 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Optional
+from typing import Any, Optional
 
 from . import errors
 from .options import Path
-from .phases import Phase, check_phase
-from .surfaces import Mesh, Rough, check_rough, shortest
+from .phases import Phase
+from .surfaces import ROUGH, Mesh, Rough, shortest
 
 
-def _check_medium(name: str, body: "Sphere | Cylinder | Body") -> None:
-    errors.number(name + ".n", body.n, 0.01, 100, "a number from 0.01 to 100")
-    errors.at_least_zero(name + ".mua", body.mua)
-    errors.at_least_zero(name + ".mus", body.mus)
-    errors.number(name + ".g", body.g, -1, 1, "a number from -1 to 1")
-    check_phase(name + ".phase", body.phase)
-    check_rough(name + ".rough", body.rough)
+def check_medium(owner: Any) -> None:
+    """Checks the numbers of a layer or a body, and how it scatters."""
+    name = type(owner).__name__
+    errors.number(name + ".n", owner.n, 0.01, 100, "a number from 0.01 to 100")
+    errors.at_least_zero(name + ".mua", owner.mua)
+    errors.at_least_zero(name + ".mus", owner.mus)
+    errors.number(name + ".g", owner.g, -1, 1, "a number from -1 to 1")
+    errors.optional(name + ".phase", owner.phase, Phase, "a Phase or None")
+
+
+def _check_body(body: "Sphere | Cylinder | Body") -> None:
+    check_medium(body)
+    errors.optional(type(body).__name__ + ".rough", body.rough, *ROUGH)
 
 
 def _rough_word(rough: Optional[Rough]) -> str:
@@ -63,7 +69,7 @@ class Sphere:
         for name in ("x", "y", "z"):
             errors.finite("Sphere." + name, getattr(self, name))
         errors.above_zero("Sphere.r", self.r)
-        _check_medium("Sphere", self)
+        _check_body(self)
 
     def line(self, directory: Path, stem: str) -> str:
         """The line of the `.mci`; writes no file."""
@@ -108,7 +114,7 @@ class Cylinder:
         for name in ("x1", "y1", "z1", "x2", "y2", "z2"):
             errors.finite("Cylinder." + name, getattr(self, name))
         errors.above_zero("Cylinder.r", self.r)
-        _check_medium("Cylinder", self)
+        _check_body(self)
 
     def line(self, directory: Path, stem: str) -> str:
         """The line of the `.mci`; writes no file."""
@@ -144,7 +150,7 @@ class Body:
         if not isinstance(self.mesh, Mesh):
             raise errors.refuse("Body.mesh", self.mesh, "a Mesh")
         errors.flag("Body.union", self.union)
-        _check_medium("Body", self)
+        _check_body(self)
 
     def line(self, directory: Path, stem: str) -> str:
         """The line of the `.mci` in that directory; writes DIRECTORY/STEM.obj where the mesh is no file."""

@@ -21,9 +21,9 @@ from .gloss import CELLS, cells_of
 from .material import Material
 from .mco import NUMERAL
 from .options import Path
-from .program import scratch_folder
-from .relit import scene_path, told_of
+from .relit import told_of
 from .scene import MOST_PHOTONS, Scene
+from .scene_files import as_file
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -215,8 +215,7 @@ def brdf(scene: Union[Scene, Path], angles: Optional[ArrayLike] = None, photons:
     target_error = None if target_error is None else errors.number("target_error", target_error, 1e-9, 1, "a number from 1e-9 to 1, or None")
     errors.whole("seed", seed, 0, 2**40)
     options = {name: value for name, value in (("photons", photons), ("target_error", target_error), ("threads", threads)) if value is not None}
-    with scratch_folder() as held:
-        path = scene_path(scene, held)
+    with as_file(scene) as (path, _):
         setup = Setup(path, told_of(scene if isinstance(scene, Scene) else path), values, sets, (sides.nt, sides.np), back, int(seed), options)
         flown = fly_angles(setup)
         found: list[dict[str, Any]] = []

@@ -16,10 +16,12 @@ import numpy as np
 
 from . import errors
 from .fields import Fields
-from .program import ALL, NONE, fly, option_words, scratch_folder
+from .options import option_words
+from .program import ALL, fly
 from .progress import Progress
 from .relit import beam_shape, relit_text
 from .scene import MOST_PHOTONS
+from .scene_files import NONE, scratch_folder
 from .sweep import table_text
 
 CONE = 1e-3  # sine of the half-angle of the cone around the mirrored, or refracted, direction that counts as exact

@@ -15,6 +15,32 @@ from .command_line import shown_path
 from .mco import NUMERAL
 
 
+class OfChannels:
+    """A result. Its arrays stand in `data`, an xarray.Dataset, and are attributes. They may have an axis of channels."""
+
+    data: Any
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name == "data":
+            raise AttributeError(name)
+        return getattr(self.data, name)
+
+    def __getitem__(self, name: str) -> Any:
+        return self.data[name]
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__} of {self.data!r}"
+
+    def channels(self) -> list[Any]:
+        """Returns the labels of the channels: wavelengths [nm], or r, g, b; an empty list of a result without channels."""
+        return list(self.data["channel"].values.tolist()) if "channel" in self.data.dims else []
+
+    def _each(self, name: str) -> Any:
+        """Returns an array with the axis of channels first, also of a result without channels."""
+        values = self.data[name].values
+        return values if self.channels() else values[None]
+
+
 def channel_rows(channels: Any) -> tuple[list[Any], list[dict[str, float]]]:
     """Returns the labels of the channels, and the numbers set in each. Labels stand in the column nm (wavelengths) or channel
     (r, g and b).

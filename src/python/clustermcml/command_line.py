@@ -107,6 +107,13 @@ def picture_path(output: Any) -> str:
     return os.fspath(output)
 
 
+def path_of(path: Any, ending: str) -> str:
+    """Returns the path of a file to be written. Refuses a name with another ending."""
+    if not isinstance(path, (str, os.PathLike)) or not os.fspath(path).endswith(ending) or "\0" in os.fspath(path):
+        raise errors.refuse("path", path, f"a name that ends in {ending}")
+    return os.fspath(path)
+
+
 def check_overwrite(command: str, output: Optional[str], inputs: Sequence[str]) -> None:
     """Refuses an output that is one of the command's inputs, also under another name."""
     for path in inputs if output is not None else ():

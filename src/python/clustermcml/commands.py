@@ -7,19 +7,17 @@ from __future__ import annotations
 
 import json
 import os
-import re
-import subprocess
-import warnings
 from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import errors
-from .options import CheckOptions, CrosscheckOptions, ExactOptions, FurnaceOptions, MeshOptions, Path, PlanOptions, TraceOptions, shown
-from .program import PREFIX, environment, exits_on_signals, find_program, option_words, raise_failure, renamed, scene_file, scratch_folder
+from . import errors, library
+from .options import CheckOptions, CrosscheckOptions, ExactOptions, FurnaceOptions, MeshOptions, Path, PlanOptions, TraceOptions, option_words, shown
+from .program import find_program, say
 from .scene import Scene
-from .sweep import write_table
+from .scene_files import as_file, scratch_folder
+from .sweep import _table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,42 +27,28 @@ if TYPE_CHECKING:
 
 DIFFERENT = 1  # exit code of crosscheck and furnace if results disagree
 EVENT = {"what": "what happened", "medium": "medium behind it: layer, 0 above", "x": "place", "y": "place", "z": "depth",
-         "ux": "direction", "uy": "direction", "uz": "direction, down", "weight": "weight behind it"}  # columns of trace
-
-
-def say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
-    """Runs the program and returns its standard output. Notes of the program become warnings. scratch: folder of temporary
-    files, whose names messages leave out. fine: exit codes that are no failure."""
-    command = [find_program(), *words]
-    try:
-        with exits_on_signals():
-            ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", errors="replace", env=environment())
-    except OSError as error:
-        raise errors.InputError(f"{command[0]}: cannot be run ({error.strerror})") from error
-    said = [renamed(line, scratch) for line in ended.stderr.splitlines()]
-    for note in (line for line in said if line.startswith(PREFIX + "note: ")):
-        warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=4)
-    if ended.returncode not in fine:
-        raise_failure(ended.returncode, said)
-    return ended.stdout
+         "ux": "direction", "uy": "direction", "uz": "direction, down", "weight": "weight behind it", "rough_steps": "facets met at a rough boundary"}  # columns of trace
 
 
 def _of_scene(command: str, scene: Union[Scene, Path], options: Mapping[str, object], kind: Any, fine: Sequence[int] = (0,),
               words: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """Returns the answer of a command for a scene: one dict for each run. For a Scene object the name of the file is left out,
-    as the file is temporary."""
-    with scratch_folder() as scratch, scene_file(scene, scratch) as path:
-        told = say([command, path, "--json", *words, *option_words(options, kind)], scratch, fine)
-    runs: list[dict[str, Any]] = [json.loads(line) for line in told.splitlines()]
-    for run in runs:
-        if isinstance(scene, Scene):
-            run.pop("scene", None)
-    return runs
+    """Returns the answer of a command for a scene: one dict for each run. `check` and `exact` need no process, unless it shall refuse their options.
+    For a Scene object the name of the file is left out, as the file is temporary."""
+    given = option_words(options, kind)
+    loaded = library.find(find_program(), [*words, *given]) if command in ("check", "exact") and set(options) <= set(kind.__annotations__) else None
+    if loaded:
+        with library.Runs(loaded, scene, [*given, *["--ignore-heightfields"] * (command == "exact")]) as held:
+            told = held.told(command == "exact")
+    else:
+        with as_file(scene) as (path, scratch):
+            told = say([command, path, "--json", *words, *given], scratch, fine=fine)
+    hidden = "scene" if isinstance(scene, Scene) else ""
+    return [{key: value for key, value in json.loads(line).items() if key != hidden} for line in told]
 
 
 def version() -> str:
     """Version of the program, as results store it."""
-    return say(["--version"], "").splitlines()[0].removeprefix("clustermcml ")
+    return say(["--version"], "")[0].removeprefix("clustermcml ")
 
 
 @shown
@@ -92,7 +76,8 @@ def check(scene: Union[Scene, Path], *, sweep: Union[Path, Mapping[str, ArrayLik
         if isinstance(sweep, (str, os.PathLike)):
             table = errors.existing_file("sweep", sweep)
         else:
-            write_table(sweep, table)
+            with open(table, "w", encoding="utf-8") as file:
+                file.write(_table(sweep, None, ()).text())
         return _of_scene("check", scene, options, CheckOptions, words=["--sweep", table, *["--reweight"] * reweight])
 
 
@@ -167,24 +152,20 @@ def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions
     """
     import xarray as xr
     index = errors.whole("photon", photon, 0, 2**53)
-    with scratch_folder() as scratch, scene_file(scene, scratch) as path:
-        lines = say(["trace", path, str(index), *option_words(options, TraceOptions)], scratch).splitlines()
-    rows: list[list[str]] = []
-    rough_steps: list[int] = []  # number of facets, printed before the event
-    steps = 0
+    with as_file(scene) as (path, scratch):
+        lines = say(["trace", path, str(index), *option_words(options, TraceOptions)], scratch)
+    rows: list[list[Any]] = []
+    steps = 0  # number of facets, printed before the event
     for line in lines:
         if line.startswith("# rough: "):
             steps = int(line.split()[2])
         elif not line.startswith("#"):
-            rows.append(line.split()[1:])
-            rough_steps.append(steps)
+            rows.append([*line.split()[1:10], steps])
             steps = 0
     units = {"x": "cm", "y": "cm", "z": "cm"}
-    events = {name: xr.DataArray(np.array([row[k] for row in rows], dtype={"what": str, "medium": int}.get(name, float)), dims="event",
+    events = {name: xr.DataArray(np.array([row[k] for row in rows], dtype={"what": str, "medium": int, "rough_steps": int}.get(name, float)), dims="event",
                                  attrs={"units": units.get(name, "1"), "long_name": meaning})
               for k, (name, meaning) in enumerate(EVENT.items())}
-    events["rough_steps"] = xr.DataArray(np.array(rough_steps, dtype=int), dims="event",
-                                         attrs={"units": "1", "long_name": "facets met at a rough boundary"})
     return xr.Dataset(events, attrs={"photon": index, "end": lines[-1].removeprefix("# "),
                                      "seen_by": [line.split()[3].rstrip(",") for line in lines if line.startswith("# seen by ")]})
 
@@ -202,8 +183,8 @@ def mesh(scene: Union[Scene, Path], output_dir: Path = ".", **options: Unpack[Me
         The paths of the files.
     """
     folder = errors.folder("output_dir", output_dir)
-    with scratch_folder() as scratch, scene_file(scene, scratch) as path:
+    with as_file(scene) as (path, scratch):
         said = say(["mesh", path, "-o", folder, *option_words(options, MeshOptions)], scratch)
-    return re.findall(r" triangles -> (.*)$", said, re.MULTILINE)
+    return [line.partition(" triangles -> ")[2] for line in said if " triangles -> " in line]
 
 

@@ -34,6 +34,7 @@ import numpy as np
 from . import errors
 from .command_line import Parser, check_overwrite, picture_path, print_text, readable, shown_path
 from .fields import OF_DETECTED, Field, Fields
+from .pictures import draw_comparison
 from .results import read_as
 
 ENOUGH = 20.0  # least number of packets of the mean weight, in the smaller run, that make a test
@@ -516,7 +517,6 @@ def compare(a: Union[str, os.PathLike[str]], b: Union[str, os.PathLike[str]], al
     files = [errors.existing_file("a", a), errors.existing_file("b", b)]
     comparison = _compared(files, files)
     if picture is not None:
-        from .pictures import draw_comparison
         draw_comparison(comparison, alpha, picture)
     return comparison.told(alpha)
 
@@ -542,7 +542,6 @@ def main(words: list[str]) -> int:
     check_overwrite("compare", given.output, given.files)
     comparison = _compared([readable(path) for path in given.files], given.files)
     if given.output is not None:
-        from .pictures import draw_comparison
         draw_comparison(comparison, given.alpha, given.output)
     text = json.dumps(comparison.told(given.alpha), separators=(",", ":")) + "\n" if given.json else "" if given.quiet else comparison.summary(given.alpha)
     code = print_text(text) if text else 0

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Optional, Sequence, Union
 
 from . import errors
-from .surfaces import shortest
-from .top import check_name
+from .surfaces import shortest, vector
+from .top import check_name, check_shape, place_words
 
 SHAPES = {"disk": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "map": ("nx", "ny", "dx", "dy"), "table": (), "port": ()}
 
@@ -80,19 +80,8 @@ class Detector:
             raise errors.refuse("Detector.file", self.file, "the path of a file of detectors for a table, else None")
         if self.file is not None:
             errors.existing_file("Detector.file", self.file)
-        for name in sorted({name for names in SHAPES.values() for name in names}):
-            value = getattr(self, name)
-            if name not in SHAPES[self.kind]:
-                if value is not None:
-                    raise errors.refuse("Detector." + name, value, f"None for a {self.kind}")
-            elif name in ("nx", "ny"):
-                errors.whole("Detector." + name, value, 1, 1_000_000_000)
-            else:
-                (errors.at_least_zero if name == "r1" else errors.above_zero)("Detector." + name, value)
-        if not isinstance(self.at, (list, tuple)) or len(self.at) != 2:
-            raise errors.refuse("Detector.at", self.at, "x and y")
-        for value in self.at:
-            errors.finite("Detector.at", value)
+        check_shape(self, SHAPES[self.kind], sorted({name for names in SHAPES.values() for name in names}), f"a {self.kind}")
+        vector("Detector.at", self.at, 2)
         errors.choice("Detector.side", self.side, "top", "bottom")
         for name in ("z", "na"):
             if getattr(self, name) is not None:
@@ -117,7 +106,7 @@ class Detector:
         if self.file is not None:
             return "detector table " + errors.quoted_file("Detector.file", self.file)
         words = ["detector", self.kind, *([] if self.port is None else [self.port])] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]
-        words += ["at=" + ",".join(map(shortest, self.at))] if tuple(self.at) != (0.0, 0.0) else []
+        words += place_words(self)
         words += [] if self.z is None else [f"z={shortest(self.z)}"]
         words += ["side=bottom"] if self.side == "bottom" else []
         words += [] if self.na is None else [f"na={shortest(self.na)}"]

@@ -114,6 +114,12 @@ def choice(name: str, value: Any, *known: str) -> None:
         raise refuse(name, value, "one of " + " ".join(known))
 
 
+def optional(name: str, value: object, kinds: Any, expected: str) -> None:
+    """Refuses all but objects of these kinds, and None."""
+    if not isinstance(value, (kinds, type(None))):
+        raise refuse(name, value, expected)
+
+
 def array(name: str, value: Any, kinds: str, expected: str) -> Any:
     """Returns the value as an array of finite numbers. kinds: the allowed kinds of its dtype, as letters of numpy.
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 import dataclasses
 import os
 import re
-import warnings
 from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Sequence, Union
 
 import numpy as np
@@ -21,15 +20,16 @@ import numpy.typing as npt
 
 from . import errors
 from .command_line import picture_name
-from .commands import check
 from .fields import Fields
 from .integrating_sphere import SphereScene, sphere_scene
 from .least_squares import TINY, correlation, jacobian, lagrange, minimum, root, start, unlikely
 from .measured import PROFILES, SPHERES, TOTALS, Data, read_measured
-from .options import FitOptions, Path, shown
-from .program import fly, option_words, scratch_folder
+from .options import FitOptions, Path, option_words, shown
+from .program import fly
 from .progress import Progress
+from .relit import told_of
 from .scene import Scene, Text
+from .scene_files import scratch_folder
 from .sweep import table_text
 
 if TYPE_CHECKING:
@@ -149,9 +149,7 @@ def _numbered(scene: Union[Scene, Path], names: list[str]) -> list[str]:
     """Returns the names with layerN in place of a layer's own name in the scene."""
     if all(re.fullmatch(r"(layer|body)\d+\..*", name) for name in names):
         return names
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        layers = {layer.get("name"): f"layer{i}" for i, layer in enumerate(check(scene)[0]["layers"], 1)}
+    layers = {layer.get("name"): f"layer{i}" for i, layer in enumerate(told_of(scene)["layers"], 1)}
     found = []
     for name in names:
         owner, _, kind = name.partition(".")

@@ -18,7 +18,6 @@ import h5py
 from . import errors
 from .fields import WHOLE, Field, Fields
 
-
 MOST_DEFLATED = 1032  # most bytes that deflate can make of one byte
 
 
@@ -123,19 +122,10 @@ class _File:
         return Fields(data, attributes)
 
 
-def _read(path: str, needed: str, what: str) -> Fields:
+def read_h5(path: str, needed: str = "Rd", what: str = "a result") -> Fields:
+    """Reads all arrays of an `.h5` file, its attributes, and the call of the program. needed: the array that shows of which kind the file is, `what`."""
     try:
         with h5py.File(path, "r", locking=False) as file:
             return _File(file, os.path.getsize(path)).fields(needed)
     except Exception as error:  # any: h5py and HDF5 raise many kinds of exceptions for damaged bytes
         raise errors.unreadable(path, f"an .h5 file of {what}", error) from error
-
-
-def read_h5(path: str) -> Fields:
-    """Reads the result in an `.h5` file: all its arrays. Attributes are those of the file, and the call of the program."""
-    return _read(path, "Rd", "a result")
-
-
-def read_saved(path: str) -> Fields:
-    """Reads a file of saved photons: all its arrays and attributes."""
-    return _read(path, "weight", "saved photons")

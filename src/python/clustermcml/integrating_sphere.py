@@ -12,9 +12,9 @@ import numpy as np
 
 from . import errors
 from .options import Path
-from .program import scratch_folder
-from .relit import light_lines, relit_text, scene_path, told_of
+from .relit import light_lines, relit_text, told_of
 from .scene import Scene, Text
+from .scene_files import as_file
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -210,11 +210,10 @@ def sphere_scene(scene: Union[Scene, Path], measured: Sequence[str], sphere: Any
         raise errors.refuse("sphere", sphere, f"a dict with port, and of {' '.join(known[1:])} those that differ from mc.sphere's, for M_R and M_T")
     instrument = Instrument(**sphere)
     bottom = told_of(scene)["boundaries"][-1]["z"]
-    with scratch_folder() as folder:
-        path = scene_path(scene, folder)
+    with as_file(scene) as (path, _):
         eyes = {name: f"detector disk {instrument.port!r} side={SIDES[name][1]} name=sphere_{SIDES[name][0]}" for name in measured}
         direct = [line + (" diffuse" if name == "M_R" and not instrument.specular else "") for name, line in eyes.items()]
-        texts = {"": relit_text(path, [*light_lines(path), *direct])}
+        texts = {"": relit_text(path, [*map(" ".join, light_lines(path, "beam", "detector")), *direct])}
         if instrument.wall is not None:
             turned = {"M_R": "", "M_T": f" z={bottom + GAP * instrument.port!r} angle=180"}
             texts.update({name: relit_text(path, [f"beam disk {instrument.port!r}{turned[name]} light=lambertian", *eyes.values()]) for name in measured})

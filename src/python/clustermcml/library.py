@@ -12,6 +12,7 @@ import functools
 import glob
 import json
 import os
+import re
 import threading
 from typing import Any, Callable, Iterator, Optional, Sequence, Union
 
@@ -19,7 +20,10 @@ import numpy as np
 
 from . import errors
 from .fields import MEASURED, WHOLE, Field, Fields
+from .options import Path
 from .progress import Progress
+from .scene import Scene, Text
+from .scene_files import NONE, Beside, own_words, renamed, scene_text
 
 API = 1  # CLM_API of clustermcml.h
 OPTIONS = frozenset(("--photons --set --derivatives --seed --target-error --error-of --sampling --roulette --aim --ignore-absorption --no-reentry --ignore-heightfields "
@@ -44,12 +48,13 @@ class _Array(ctypes.Structure):
 
 @functools.lru_cache(maxsize=None)
 def _load(program: str) -> Optional[ctypes.CDLL]:
-    """Loads the library that stands beside a program: in its folder (a build), or in lib beside that of the program. None: there is none."""
+    """Loads the library that stands beside a program: in its folder (a build), or in lib beside that of the program. None: there is none, or one that is too old."""
     folder = os.path.dirname(os.path.realpath(program))
     names = [name for place in (".", "../lib*", "../lib*/*") for name in sorted(glob.glob(os.path.join(glob.escape(folder), place, f"libclustermcml.so.{API}")))]
     try:
         library = ctypes.CDLL(names[0])
-    except (IndexError, OSError):
+        library.clm_scene_sweep  # pylint: disable=pointless-statement # the newest function
+    except (IndexError, OSError, AttributeError):
         return None
     if library.clm_api() != API:
         return None
@@ -79,48 +84,58 @@ def _words(words: Sequence[str]) -> Any:
 
 
 def _apart(work: Callable[[], None], cancelled: threading.Event) -> None:
-    """Does the work. The main thread waits for another one that does it, so that it hears of signals. Any exception here cancels the
-    work, and its end is awaited: Thread.join would take an interrupt for the end of the thread."""
+    """Does the work. The main thread lets another one do it, so that it hears of signals. An exception here cancels the work and awaits its end."""
     if threading.current_thread() is not threading.main_thread():
         return work()
     done = threading.Event()
 
     def report() -> None:
-        try:
-            work()
-        finally:
-            done.set()
+        work()
+        done.set()
+
+    def wait() -> None:  # Thread.join would take an interrupt for the end of the thread
+        while not done.wait(1) and thread.is_alive():
+            pass
     thread = threading.Thread(target=report)
     try:
         thread.start()
-        done.wait()
+        wait()
     except BaseException:
         cancelled.set()
-        while not done.wait(1) and thread.is_alive():
-            pass
+        wait()
         raise
 
 
-class Scene:
-    """A scene with one run, in the library.
+class Runs:
+    """The runs of a scene, in the library.
 
-    path: of its file. text: what the file would hold; None: it is read. words: options of the command line, for all flights. renamed: makes a message of
-    the library one of the caller's; "" hides a note."""
+    scene: object, or path of a file. words: options of the command line, for all flights. silent: pattern of notes that are no warnings."""
 
-    def __init__(self, library: ctypes.CDLL, path: str, text: Optional[str], words: Sequence[str], renamed: Callable[[str], str]) -> None:
-        self.dll, self.renamed, self.scene, name = library, renamed, ctypes.c_void_p(), os.fsencode(path)
-        where = (library.clm_scene_open, name) if text is None else (library.clm_scene_parse, text.encode("utf-8", "surrogateescape"), os.path.dirname(name))
-        self._call(*where, _words(words), ctypes.byref(self.scene))
-        runs = library.clm_scene_runs(self.scene)
-        if runs != 1:
+    def __init__(self, library: ctypes.CDLL, scene: Union[Scene, Text, Path], words: Sequence[str], silent: str = NONE) -> None:
+        self.dll, self.silent, self.scene, self.beside = library, silent, ctypes.c_void_p(), Beside()
+        self.path = "Scene" if isinstance(scene, (Scene, Text)) else errors.existing_file("scene", scene)
+        try:
+            if isinstance(scene, (Scene, Text)):
+                text = scene_text(scene, self.beside).encode("utf-8", "surrogateescape")
+                self._call(library.clm_scene_parse, text, os.fsencode(self.beside.name or self.path), _words(words), ctypes.byref(self.scene))
+            else:
+                self._call(library.clm_scene_open, os.fsencode(self.path), _words(words), ctypes.byref(self.scene))
+        except BaseException:
             self.__exit__()
-            raise errors.refuse("scene", path, f"a file with one run, this one has {runs}")
+            raise
+        self.runs = library.clm_scene_runs(self.scene)
 
-    def __enter__(self) -> Scene:
+    def __enter__(self) -> Runs:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.dll.clm_scene_free(self.scene)
+        self.beside.close()
+
+    def _renamed(self, said: str) -> str:
+        """Returns a message of the library in the caller's words."""
+        said = re.sub(r"^the table(:\d+)?: ", "parameters: ", renamed(said, self.beside.name or self.path))
+        return own_words(said) if self.path == "Scene" else said
 
     def _call(self, function: Any, *arguments: Any, cancelled: Optional[threading.Event] = None) -> None:
         """Calls a function of the library. Its notes become warnings, its status an exception. cancelled: set where an exception shall end a flight."""
@@ -133,11 +148,20 @@ class Scene:
             ended.append((function(*arguments), _text(self.dll.clm_error())))
             self.dll.clm_on_note(None, None)
         _apart(work, cancelled) if cancelled else work()
-        for note in filter(None, map(self.renamed, notes)):
-            errors.warn(note)
+        for note in map(self._renamed, notes):
+            if not re.search(self.silent, note):
+                errors.warn(note)
         status, text = ended[0]
         if status:
-            raise errors.InputError(self.renamed(text)) if status == 2 else errors.ClustermcmlError(self.renamed(text), status)
+            raise errors.InputError(self._renamed(text)) if status == 2 else errors.ClustermcmlError(self._renamed(text), status)
+
+    def told(self, exact: bool) -> list[str]:
+        """Returns the line that `check --json`, or `exact --json`, prints of each run."""
+        text, lines = ctypes.c_char_p(), []
+        for run in range(self.runs):
+            self._call(self.dll.clm_scene_exact if exact else self.dll.clm_scene_check, self.scene, run, 1, ctypes.byref(text))
+            lines.append(_text(text.value))
+        return lines
 
     def fly(self, words: Sequence[str], progress: Progress, names: Optional[Sequence[str]] = None) -> Fields:
         """Flies the scene. words: further options of this flight. names: of the arrays that are wanted; None: all."""
@@ -184,12 +208,6 @@ class Scene:
         return [found[row] for row in sorted(found)]
 
 
-def _values(array: _Array, pointer: Any) -> Any:
-    shape = tuple(array.size[:array.num_axes])
-    values = np.ctypeslib.as_array(pointer, shape=(array.count,)) if array.count else np.empty(0)
-    return values.reshape(shape).astype(np.float32 if array.single else np.float64)
-
-
 def _arrays(library: ctypes.CDLL, run: ctypes.c_void_p, names: Optional[Sequence[str]]) -> Iterator[_Array]:
     """Yields the arrays of these names that there are, and their axes. None: all."""
     array = _Array()
@@ -206,13 +224,16 @@ def _arrays(library: ctypes.CDLL, run: ctypes.c_void_p, names: Optional[Sequence
 
 def _fields(library: ctypes.CDLL, run: ctypes.c_void_p, names: Optional[Sequence[str]]) -> Fields:
     """Returns arrays and the attributes of a run, as read_h5 returns them from its file, and how long it took."""
+    def values(array: _Array, pointer: Any) -> Any:
+        numbers = np.ctypeslib.as_array(pointer, shape=(array.count,)) if array.count else np.empty(0)
+        return numbers.reshape(tuple(array.size[:array.num_axes])).astype(np.float32 if array.single else np.float64)
     held = {}
     for array in _arrays(library, run, names):
         name, dims = _text(array.name), tuple(map(_text, array.axis[:array.num_axes]))
         about = {"units": _text(array.units), "long_name": _text(array.meaning)}
-        held[name] = Field(_values(array, array.value), dims, about)
+        held[name] = Field(values(array, array.value), dims, about)
         if array.error:
-            held[name + "_se"] = Field(_values(array, array.error), dims, {**about, "long_name": "standard error"})
+            held[name + "_se"] = Field(values(array, array.error), dims, {**about, "long_name": "standard error"})
             about["ancillary_variables"] = name + "_se"
     attributes: dict[str, Union[str, float]] = {}
     key, text, number = ctypes.c_char_p(), ctypes.c_char_p(), ctypes.c_double()

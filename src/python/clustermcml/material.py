@@ -16,7 +16,8 @@ import numpy as np
 from . import errors
 from .brdf_fit import evaluate
 from .bsdf_file import write_bsdf
-from .command_line import picture_path, write
+from .channels import OfChannels
+from .command_line import path_of, picture_path, write
 from .gloss import CELLS, beside, exits, finer, nodes, with_means
 from .options import Path
 from .pictures import COLOURS, drawing, save
@@ -32,15 +33,8 @@ MUCH = 1e-3  # share of the light in a mirror image that is worth a message
 PLOTTED = 5  # number of angles of incidence in a picture
 
 
-def path_of(name: str, value: Any, ending: str) -> str:
-    """Returns the path of a file to be written. Refuses a name with another ending."""
-    if not isinstance(value, (str, os.PathLike)) or not os.fspath(value).endswith(ending) or "\0" in os.fspath(value):
-        raise errors.refuse(name, value, f"a name that ends in {ending}")
-    return os.fspath(value)
-
-
-@dataclass
-class Material:
+@dataclass(repr=False)
+class Material(OfChannels):
     """The result of `brdf`. Its arrays are attributes: `material.f_r` is `material.data.f_r`.
 
     Attributes:
@@ -48,26 +42,6 @@ class Material:
     """
 
     data: xr.Dataset
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "data":
-            raise AttributeError(name)
-        return getattr(self.data, name)
-
-    def __getitem__(self, name: str) -> Any:
-        return self.data[name]
-
-    def __repr__(self) -> str:
-        return f"Material of {self.data!r}"
-
-    def channels(self) -> list[Any]:
-        """Returns the labels of the channels: wavelengths [nm], or r, g, b; an empty list of a grey material."""
-        return list(self.data["channel"].values.tolist()) if "channel" in self.data.dims else []
-
-    def _each(self, name: str) -> Any:
-        """Returns an array with the axis of channels first, also for a grey material."""
-        values = self.data[name].values
-        return values if self.channels() else values[None]
 
     def f(self, theta_i: Any, theta_o: Any, phi: Any, channel: int = 0) -> Any:
         """Evaluates the fit of light that was inside the material.
@@ -130,7 +104,7 @@ class Material:
         Args:
             path: NAME.rgb.bsdf for variants of Mitsuba with RGB, any other NAME.bsdf for those with spectra, and for pbrt.
         """
-        name, labels = path_of("path", path, ".bsdf"), self.channels()
+        name, labels = path_of(path, ".bsdf"), self.channels()
         rgb = name.endswith(".rgb.bsdf")
         if labels and rgb != (labels == ["r", "g", "b"]):
             raise errors.refuse("path", name, "a name that ends in .rgb.bsdf, for channels r g b" if not rgb else "a name that ends in .bsdf without .rgb, for channels by nm")
@@ -192,7 +166,7 @@ class Material:
             path: A name that ends in .h5.
         """
         import h5py
-        name, content = path_of("path", path, ".h5"), io.BytesIO()
+        name, content = path_of(path, ".h5"), io.BytesIO()
         with h5py.File(content, "w") as file:
             file.attrs.update(self.data.attrs)
             for dim, size in self.data.sizes.items():

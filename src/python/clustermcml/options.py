@@ -9,7 +9,12 @@ from __future__ import annotations
 
 import inspect
 import os
+import sys
 from typing import TYPE_CHECKING, Any, Callable, Literal, Mapping, Optional, Sequence, TypedDict, TypeVar, Union
+
+import numpy as np
+
+from . import errors
 
 if TYPE_CHECKING:
     from .top import Face
@@ -114,6 +119,46 @@ class ProbeOptions(TypedDict, total=False):
     lit: Sequence[int]
     read: Optional[Sequence[int]]
     group: Optional[str]
+
+
+NO_ARGUMENTS = {"json": "results are returned", "quiet": "results are returned", "verbose": "results are returned",
+                "output": "results are returned", "classic": "results are returned", "sweep": "clustermcml.sweep flies sweeps", "help": "clustermcml help run prints it",
+                "part": "a part of a run has no result; clustermcml run flies it, merge joins all", "version": "results have it as an attribute"}
+
+
+def option_words(options: Mapping[str, object], kind: Any = RunOptions) -> list[str]:
+    """Returns keyword arguments as words of a command line.
+
+    True becomes an option without a value. False and None leave the option out. A list is joined by commas. A dict repeats the
+    option with NAME=VALUE for each item. kind: class that lists the options. The program itself refuses unknown ones.
+
+    >>> option_words({"photons": 1e5, "target_error": None, "no_reentry": True, "device": [0, 1]})
+    ['--photons', '100000.0', '--no-reentry', '--device', '0,1']
+    >>> option_words({"set": {"layer1.mua": 0.3, "above.n": 1.33}})
+    ['--set', 'layer1.mua=0.3', '--set', 'above.n=1.33']
+    """
+    words = []
+    for name, value in options.items():
+        if name in NO_ARGUMENTS and name not in kind.__annotations__:
+            raise errors.refuse(name, value, "no such argument: " + NO_ARGUMENTS[name])
+        option, is_flag, known = "--" + name.replace("_", "-"), isinstance(value, (bool, np.bool_)), kind.__annotations__.get(name)
+        if known and known.__forward_arg__ == "bool" and value is not None:
+            errors.flag(name, value)
+        elif known and (is_flag or isinstance(value, Mapping) and not known.__forward_arg__.startswith("Mapping")):
+            raise errors.refuse(name, value, "a value")
+        if is_flag:
+            words += [option] if value else []
+        elif isinstance(value, Mapping):
+            words += [word for item in value.items() for word in (option, f"{item[0]}={item[1]}")]
+        elif value is not None:
+            words += [option, ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)]
+        if any("\0" in word for word in words):
+            raise errors.refuse(name, value, "text without NUL characters")
+        try:
+            "".join(words).encode(sys.getfilesystemencoding(), "surrogateescape")
+        except UnicodeEncodeError:
+            raise errors.refuse(name, value, "text that a command line can hold") from None
+    return words
 
 
 def shown(function: Function) -> Function:

@@ -79,9 +79,3 @@ class Phase:
         rows: npt.NDArray[Any] = np.column_stack([np.asarray(self.angles), np.asarray(self.densities)])
         np.savetxt(os.path.join(directory, path), rows, "%.17g")
         return f'phase table "{path}"'
-
-
-def check_phase(name: str, phase: Optional[Phase]) -> None:
-    """Refuses all but a Phase and None."""
-    if phase is not None and not isinstance(phase, Phase):
-        raise errors.refuse(name, phase, "a Phase or None")

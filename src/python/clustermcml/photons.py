@@ -63,8 +63,8 @@ def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
         InputError: The file is not a file of saved packets.
     """
     name = errors.existing_file("path", path)
-    from .h5 import read_saved
-    data = read_saved(name)
+    from .h5 import read_h5
+    data = read_h5(name, "weight", "saved photons")
     try:
         return _table(data)
     except (KeyError, TypeError, ValueError) as error:  # a value is no number where a whole number should be

@@ -445,6 +445,7 @@ def _draw_swept_maps(matplotlib: Any, figure: Any, given: argparse.Namespace, sw
     cmap = matplotlib.colormaps[matplotlib.rcParams["image.cmap"]].copy()
     cmap.set_bad(UNLIT)
     norm = _norm(matplotlib, [grid for _, _, grid in grids], given)
+    figure.set_size_inches(1.6 + 5.2 * len(sweeps), 4.8)
     panels = figure.subplots(1, len(sweeps), squeeze=False)[0]
     for axes, label, (xs, ys, grid) in zip(panels, given.labels, grids):
         drawn = axes.imshow(grid, origin="lower", aspect="auto", interpolation="nearest", norm=norm, cmap=cmap)
@@ -555,11 +556,11 @@ def _sources(given: argparse.Namespace) -> tuple[str, list[Any]]:
 
 
 def _labels(given: argparse.Namespace) -> list[str]:
-    """Returns a label for each file: its own name, with the folder if two files have the same name."""
+    """Returns a label for each file: its own name, with the folder if two files have the same name. Its middle goes if it is wider than a panel."""
     names = [os.path.basename(path) for path in given.files]
     own = [shown_path(name if names.count(name) == 1 else path) for name, path in zip(names, given.files)]
     shown = given.label + own[len(given.label):]
-    return [text if len(text) <= 60 else text[:28] + "..." + text[-29:] for text in (label.replace("$", r"\$") for label in shown)]
+    return [text if len(text) <= 40 else text[:18] + "..." + text[-19:] for text in (label.replace("$", r"\$") for label in shown)]
 
 
 def _title(sources: list[Any]) -> str:

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
 import numpy as np
 
 from . import errors
-from .channels import channel_rows, channel_table
-from .command_line import MOST_THREADS, Parser, file_stem, picture_path, print_text, shown_path, write
+from .channels import OfChannels, channel_rows, channel_table
+from .command_line import MOST_THREADS, Parser, file_stem, path_of, picture_path, print_text, shown_path, write
 from .options import Path
 from .pictures import COLOURS, drawing, save
 from .profile_fits import Curve, Shares, fit_burley, fit_sum, scaled, single_albedo
 from .profile_flight import BINS, LIGHT, Flight, Target, bin_width, fly_profile
-from .program import scratch_folder
-from .relit import scene_path, told_of
+from .relit import told_of
 from .scene import Layer, Scene
+from .scene_files import as_file
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,8 +40,8 @@ FORMULAS = {"exponentials": "S = Rd sum w exp(-r / d) / (2 pi d r); cdf = 1 - su
 
 # ---- the result ----
 
-@dataclass
-class Profile:
+@dataclass(repr=False)
+class Profile(OfChannels):
     """The result of `profile`. Its arrays are attributes: `found.S` is `found.data.S`.
 
     S and S_se are the light that leaves per area and launched packet, over r [1/cm2], and its standard error. cdf is the share of that light within the
@@ -58,26 +58,6 @@ class Profile:
     threads: Optional[int] = None
     _fits: dict[str, list[Any]] = field(default_factory=dict, repr=False)
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or name == "data":
-            raise AttributeError(name)
-        return getattr(self.data, name)
-
-    def __getitem__(self, name: str) -> Any:
-        return self.data[name]
-
-    def __repr__(self) -> str:
-        return f"Profile of {self.data!r}"
-
-    def channels(self) -> list[Any]:
-        """Returns the labels of the channels: wavelengths [nm], or r, g, b; an empty list of a single profile."""
-        return list(self.data["channel"].values.tolist()) if "channel" in self.data.dims else []
-
-    def _each(self, name: str) -> Any:
-        """Returns an array with the axis of channels first, also for a single profile."""
-        values = self.data[name].values
-        return values if self.channels() else values[None]
-
     def _shares(self, channel: int) -> Shares:
         r, cdf, Rd = (self._each(name)[channel] for name in ("r", "cdf", "Rd"))
         width = 2 * r[0]
@@ -93,8 +73,8 @@ class Profile:
         profile, Rd = self._shares(channel), float(self._each("Rd")[channel])
         albedo, light = single_albedo(Rd), str(self.data.attrs["light"])
         scene = Scene([Layer(n=1, mua=1 - albedo, mus=albedo, g=0, d=1e8)])
-        with scratch_folder() as scratch:
-            target = Target(scene_path(scene, scratch), None, light, "random walk", {}, self.threads)
+        with as_file(scene) as (path, _):
+            target = Target(path, None, light, "random walk", {}, self.threads)
             seed = int(self.data.attrs["seed"])
             width = bin_width(target, seed) / FINER
             flown = fly_profile(target, width, WALK, None, seed + 2**38, BINS * FINER)
@@ -174,7 +154,7 @@ class Profile:
         Args:
             path: A name that ends in .json.
         """
-        write(_path_of(path, ".json"), (json.dumps(self.record(), indent=1) + "\n").encode())
+        write(path_of(path, ".json"), (json.dumps(self.record(), indent=1) + "\n").encode())
 
     def to_csv(self, path: Path) -> None:
         """Writes the columns r_mid_cm, S_per_cm2, S_se and cdf, behind the channel where there are any.
@@ -187,7 +167,7 @@ class Profile:
         for c, label in enumerate(labels or [None]):
             head = "" if label is None else f"{label:g}," if isinstance(label, float) else f"{label},"
             lines += [head + ",".join(map(repr, row)) for row in np.stack([self._each(name)[c] for name in ("r", "S", "S_se", "cdf")], axis=1).tolist()]
-        write(_path_of(path, ".csv"), ("\n".join(lines) + "\n").encode())
+        write(path_of(path, ".csv"), ("\n".join(lines) + "\n").encode())
 
     def plot(self, path: Path) -> None:
         """Draws S with a band of one standard error, and light per radius, with the fits; of channels with the exponentials alone.
@@ -223,12 +203,6 @@ class Profile:
 def _span(values: Any) -> tuple[float, float]:
     light = values[values > 0]
     return max(float(light.min()), float(light.max()) * 1e-8) / 2, float(light.max()) * 2
-
-
-def _path_of(path: Any, ending: str) -> str:
-    if not isinstance(path, (str, os.PathLike)) or not os.fspath(path).endswith(ending) or "\0" in os.fspath(path):
-        raise errors.refuse("path", path, f"a name that ends in {ending}")
-    return os.fspath(path)
 
 
 def _without_nan(value: Any) -> Any:
@@ -323,8 +297,7 @@ def profile(scene: Union[Scene, Path], light: str = "normal", photons: Optional[
     if target_error is not None:
         errors.number("target_error", target_error, 1e-6, 1, "a number of 1e-6 to 1, or None")
     shown = "Scene" if isinstance(scene, Scene) else shown_path(os.fspath(scene))
-    with scratch_folder() as held:
-        path = scene_path(scene, held)
+    with as_file(scene) as (path, _):
         told = told_of(scene if isinstance(scene, Scene) else path)
         period = _period(told, shown)
         number = errors.whole("photons", told["photons"] if photons is None else photons, 1000, 2**48)

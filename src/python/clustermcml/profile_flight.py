@@ -14,10 +14,12 @@ import numpy as np
 
 from . import errors
 from .fields import Fields
-from .program import ALL, fly, option_words, scratch_folder
+from .options import option_words
+from .program import ALL, fly
 from .progress import Progress
 from .relit import relit_text
 from .scene import Text
+from .scene_files import scratch_folder
 
 BINS = 400
 INSIDE = 0.999  # share of the pilot's light within the bins

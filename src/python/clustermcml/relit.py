@@ -21,15 +21,6 @@ WITH_FILES = ("m", "b", "i", "phase", "beam")
 WORD = re.compile(r'"[^"]*"|\S+')
 
 
-def scene_path(scene: Union[Scene, Path], folder: str) -> str:
-    """Returns the path of the scene's file. A Scene object is written into `folder`."""
-    if not isinstance(scene, Scene):
-        return errors.existing_file("scene", scene)
-    path = os.path.join(folder, "scene.mci")
-    scene.write(path)
-    return path
-
-
 def told_of(scene: Union[Scene, Path]) -> dict[str, Any]:
     """Returns the answer of `check` for a scene with one run. Its notes are left out, because they concern a light that is
     replaced."""
@@ -58,19 +49,16 @@ def _absolute(words: Sequence[str], folder: str) -> list[str]:
     return [of(word) for word in words]
 
 
+def light_lines(path: str, *kinds: str) -> list[list[str]]:
+    """Returns the words of the scene's lines of these kinds: beam, detector. Names of files become absolute."""
+    with open(path, encoding="utf-8", errors="surrogateescape") as file:
+        return [_absolute(words, os.path.dirname(path)) for words in map(_words, file) if words[:1] and words[0] in kinds]
+
+
 def beam_shape(path: str) -> str:
     """Returns the shape of the scene's one beam and the place of its axis, as words of a `beam` line. Empty for the default
     pencil."""
-    with open(path, encoding="utf-8", errors="surrogateescape") as file:
-        lines = [words for words in map(_words, file) if words[:1] == ["beam"]]
-    kept = [word for word in (lines[0][1:] if lines else []) if "=" not in word or word.startswith("at=")]
-    return " ".join(_absolute(kept, os.path.dirname(path)))
-
-
-def light_lines(path: str) -> list[str]:
-    """Returns the lines of the scene's beams and detectors. Names of files become absolute."""
-    with open(path, encoding="utf-8", errors="surrogateescape") as file:
-        return [" ".join(_absolute(words, os.path.dirname(path))) for words in map(_words, file) if words[:1] in (["beam"], ["detector"])]
+    return " ".join(word for words in light_lines(path, "beam")[:1] for word in words[1:] if "=" not in word or word.startswith("at="))
 
 
 def relit_text(path: str, lines: Sequence[str]) -> Text:

@@ -14,13 +14,13 @@ from dataclasses import dataclass, field
 from typing import Optional, Sequence, Union
 
 from . import errors
-from .bodies import Body, Cylinder, Sphere
+from .bodies import Body, Cylinder, Sphere, check_medium
 from .detectors import Detector
 from .options import Path
 from .photons import Saved
-from .phases import Phase, check_phase
-from .surfaces import Rough, Surface, check_rough, check_surface, shortest, vector
-from .top import Face, Port, Top, check_name
+from .phases import Phase
+from .surfaces import ROUGH, SURFACE, Rough, Surface, shortest, vector
+from .top import NUMBERS, Face, Port, Top, check_name, check_reflector, check_shape, place_words, reflector_numbers
 
 MOST_PHOTONS = 2**48
 TAKEN = re.compile(r"photons|seed|above|below|backing|(layer|body|boundary|beam|detector|face|port)\d*")  # other names whose numbers can be set
@@ -63,20 +63,16 @@ class Layer:
     top_rough: Optional[Rough] = None
 
     def __post_init__(self) -> None:
-        check_rough("Layer.top_rough", self.top_rough)
+        errors.optional("Layer.top_rough", self.top_rough, *ROUGH)
         if self.name is not None and not (isinstance(self.name, str) and re.fullmatch("[A-Za-z_][A-Za-z0-9_]{0,23}", self.name)):
             raise errors.refuse("Layer.name", self.name, "1 to 24 letters, digits and underscores, the first of them no digit")
         if self.name is not None and TAKEN.fullmatch(self.name):
             raise errors.refuse("Layer.name", self.name, "a name that no other part of a scene has")
         if not isinstance(self.bodies, (list, tuple)) or not all(isinstance(item, (Sphere, Cylinder, Body)) for item in self.bodies):
             raise errors.refuse("Layer.bodies", self.bodies, "a list of Sphere, Cylinder and Body")
-        errors.number("Layer.n", self.n, 0.01, 100, "a number from 0.01 to 100")
-        errors.at_least_zero("Layer.mua", self.mua)
-        errors.at_least_zero("Layer.mus", self.mus)
-        errors.number("Layer.g", self.g, -1, 1, "a number from -1 to 1")
+        check_medium(self)
         errors.at_least_zero("Layer.d", self.d)
-        check_surface("Layer.top", self.top)
-        check_phase("Layer.phase", self.phase)
+        errors.optional("Layer.top", self.top, *SURFACE)
 
 
 SHAPES = {"pencil": (), "disk": ("radius",), "gaussian": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "image": (), "port": ()}
@@ -140,12 +136,7 @@ class Beam:
         errors.flag("Beam.tile", self.tile)
         if self.tile and self.kind != "rectangle":
             raise errors.refuse("Beam.tile", self.tile, f"False for a {self.kind} beam")
-        for name in ("radius", "r1", "r2", "width", "height"):
-            value = getattr(self, name)
-            if name not in self._numbers() and value is not None:
-                raise errors.refuse("Beam." + name, value, f"None for a {self.kind} beam" + (" of a tile" if self.tile else ""))
-            if name in self._numbers():
-                (errors.at_least_zero if name == "r1" else errors.above_zero)("Beam." + name, value)
+        check_shape(self, self._numbers(), NUMBERS, f"a {self.kind} beam" + " of a tile" * self.tile)
         if (self.kind == "image") != (self.file is not None):
             raise errors.refuse("Beam.file", self.file, "the path of a .gsf file for an image, else None")
         if self.file is not None:
@@ -185,8 +176,7 @@ class Beam:
         """The line of the `.mci`; files by absolute paths."""
         words = ["beam", self.kind, *([] if self.port is None else [self.port])] + ["tile"] * self.tile + [shortest(getattr(self, name)) for name in self._numbers()]
         words += [errors.quoted_file("Beam.file", self.file)] if self.file is not None else []
-        if tuple(self.at) != (0.0, 0.0):
-            words.append("at=" + ",".join(shortest(value) for value in self.at))
+        words += place_words(self)
         words += [] if self.z is None else [f"z={shortest(self.z)}"]
         words += [f"{name}={shortest(getattr(self, name))}" for name in ("angle", "azimuth") if getattr(self, name) != 0]
         words += [] if self.light == "parallel" else ["light=" + self._light_word()]
@@ -313,19 +303,12 @@ class Backing:
     k: Optional[float] = None
 
     def __post_init__(self) -> None:
-        errors.choice("Backing.kind", self.kind, "mirror", "lambertian", "metal")
-        metal = self.kind == "metal"
-        for name, used, most in (("R", not metal, 1), ("n", metal, 100), ("k", metal, 100)):
-            value = getattr(self, name)
-            if used:
-                errors.number("Backing." + name, value, 0, most, f"a number from 0 to {most}")
-            elif value is not None:
-                raise errors.refuse("Backing." + name, value, f"None for {self.kind}")
+        check_reflector(self, "kind")
 
     def line(self) -> str:
         """Returns the line of the .mci file."""
-        numbers = " ".join(shortest(value) for value in (self.R, self.n, self.k) if value is not None)
-        return f"backing metal {numbers}" if self.kind == "metal" else f"backing {numbers} {self.kind}"
+        numbers = reflector_numbers(self)
+        return " ".join(["backing", "metal", *numbers] if self.kind == "metal" else ["backing", *numbers, self.kind])
 
 
 @dataclass
@@ -414,24 +397,14 @@ class Scene:
             errors.above_zero("Scene." + name, getattr(self, name))
         for name in ("nr", "nz", "na"):
             errors.whole("Scene." + name, getattr(self, name), 1, 2**31 - 1)
-        check_surface("Scene.bottom", self.bottom)
-        check_rough("Scene.bottom_rough", self.bottom_rough)
         several = isinstance(self.beam, (list, tuple)) and bool(self.beam) and all(isinstance(beam, Beam) for beam in self.beam)
         if not isinstance(self.beam, Beam) and not several:
             raise errors.refuse("Scene.beam", self.beam, "a Beam, or a list of Beam")
-        if not isinstance(self.backing, Backing) and self.backing is not None:
-            raise errors.refuse("Scene.backing", self.backing, "a Backing or None")
-        if not isinstance(self.map, Map) and self.map is not None:
-            raise errors.refuse("Scene.map", self.map, "a Map")
-        if not isinstance(self.time, Time) and self.time is not None:
-            raise errors.refuse("Scene.time", self.time, "a Time")
-        if not isinstance(self.directions, Directions) and self.directions is not None:
-            raise errors.refuse("Scene.directions", self.directions, "Directions")
-        if not isinstance(self.saved, Saved) and self.saved is not None:
-            raise errors.refuse("Scene.saved", self.saved, "a Saved or None")
+        for name, kinds, expected in (("bottom", *SURFACE), ("bottom_rough", *ROUGH), ("backing", Backing, "a Backing or None"), ("map", Map, "a Map"),
+                                      ("time", Time, "a Time"), ("directions", Directions, "Directions"), ("saved", Saved, "a Saved or None")):
+            errors.optional("Scene." + name, getattr(self, name), kinds, expected)
         if not isinstance(self.detectors, (list, tuple)) or not all(isinstance(detector, Detector) for detector in self.detectors):
             raise errors.refuse("Scene.detectors", self.detectors, "a list of Detector")
-
         if not isinstance(self.top, (list, tuple)) or not all(isinstance(item, (Face, Port)) for item in self.top):
             raise errors.refuse("Scene.top", self.top, "a list of Face and Port")
 

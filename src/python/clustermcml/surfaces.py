@@ -1,4 +1,4 @@
-"""The shapes of boundaries.
+"""The shapes of boundaries, and the files of those that are arrays.
 
 SPDX-License-Identifier: MIT
 """
@@ -15,10 +15,9 @@ from numpy.typing import ArrayLike
 
 from . import errors
 from .options import Path
-from .surface_files import write_gsf, write_obj
-
 
 HIGHEST = 1e30  # largest |height| [cm], as in the program's own files
+CM = 0.01  # m
 
 
 def shortest(value: float) -> str:
@@ -36,6 +35,25 @@ def vector(name: str, value: Any, length: int) -> tuple[float, ...]:
     if len(values) != length:
         raise errors.refuse(name, value, expected)
     return tuple(errors.finite(name, item) for item in values)
+
+
+def write_gsf(path: str, heights: Any, dx: float, dy: float) -> None:
+    """Writes a Gwyddion Simple Field (gwyddion.net/documentation/user-guide-en/gsf.html). heights: [ny, nx] in cm, y rising
+    with the first index. The file has single-precision floats in m, the row of the largest y first. XReal and YReal are widths
+    of all pixels."""
+    ny, nx = heights.shape
+    header = (f"Gwyddion Simple Field 1.0\nXRes = {nx}\nYRes = {ny}\nXReal = {float(nx * dx * CM)!r}\nYReal = {float(ny * dy * CM)!r}\n"
+              "XYUnits = m\nZUnits = m\n").encode("ascii")
+    with open(path, "wb") as file:
+        file.write(header + b"\0" * (4 - len(header) % 4))
+        file.write(np.ascontiguousarray(heights[::-1].astype(float) * CM, dtype="<f4").tobytes())
+
+
+def write_obj(path: str, vertices: Any, faces: Any) -> None:
+    """Writes a Wavefront OBJ file. vertices: [n, 3]. faces: [m, 3], counted from 0 here, from 1 in the file."""
+    with open(path, "w", encoding="ascii") as file:
+        file.writelines(f"v {float(x)!r} {float(y)!r} {float(z)!r}\n" for x, y, z in vertices)
+        file.writelines(f"f {a} {b} {c}\n" for a, b, c in (faces.astype(np.int64) + 1).tolist())
 
 
 @dataclass
@@ -293,16 +311,6 @@ class Rough:
         return f"{self.kind}{separator}{shortest(self.alpha)}"
 
 
-def check_rough(name: str, value: object) -> None:
-    """Refuses all but a Rough and None."""
-    if value is not None and not isinstance(value, Rough):
-        raise errors.refuse(name, value, "a Rough, or None for a smooth surface")
-
-
 Surface = Union[Heightfield, Heightmap, Mesh, Relief]
-
-
-def check_surface(name: str, value: object) -> None:
-    """Refuses all but a surface and None."""
-    if value is not None and not isinstance(value, (Heightfield, Heightmap, Mesh, Relief)):
-        raise errors.refuse(name, value, "a Heightfield, a Heightmap, a Mesh, a Relief, or None for a plane")
+SURFACE = (Heightfield, Heightmap, Mesh, Relief), "a Heightfield, a Heightmap, a Mesh, a Relief, or None for a plane"  # for errors.optional
+ROUGH = Rough, "a Rough, or None for a smooth surface"

@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike
 
 from . import errors
 from .fields import Fields
-from .options import Path, SweepOptions, shown
-from .program import NONE, fly, option_words
+from .options import Path, SweepOptions, option_words, shown
+from .program import fly
 from .progress import Progress
 from .scene import Scene
+from .scene_files import NONE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -111,12 +112,6 @@ def _table(parameters: Any, dim: Optional[str], coords: Union[Sequence[str], Map
     held.update(coords if isinstance(coords, Mapping) else {})
     labels = [*coords, *([] if index is None else [str(index)])]
     return _rows(held, str(dim or index or "row"), labels)
-
-
-def write_table(parameters: Any, path: str) -> None:
-    """Writes the table that `sweep` flies for these parameters alone, for --sweep."""
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(_table(parameters, None, ()).text())
 
 
 def _common(rows: Sequence[Fields]) -> tuple[list[str], list[str]]:

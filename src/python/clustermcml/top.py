@@ -13,6 +13,7 @@ from . import errors
 from .surfaces import shortest, vector
 
 SHAPES = {"disk": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height")}
+NUMBERS = ("radius", "r1", "r2", "width", "height")
 
 
 def check_name(name: str, value: Any) -> None:
@@ -21,26 +22,49 @@ def check_name(name: str, value: Any) -> None:
         raise errors.refuse(name, value, "1 to 24 letters, digits and underscores")
 
 
-def _check_shape(thing: "Face | Port") -> None:
-    """Checks the place of a face or a port, and that it has the numbers of its shape and no others."""
-    name = type(thing).__name__
-    used = SHAPES[thing.shape] if thing.shape is not None else ()
-    for key in ("radius", "r1", "r2", "width", "height"):
-        value = getattr(thing, key)
-        if key in used:
-            (errors.at_least_zero if key == "r1" else errors.above_zero)(f"{name}.{key}", value)
+def check_shape(thing: Any, used: Sequence[str], known: Sequence[str], owner: str) -> None:
+    """Checks that a part of a scene has the numbers of its shape, `used`, and no others that are known. owner: the part, in messages."""
+    for key in known:
+        name, value = f"{type(thing).__name__}.{key}", getattr(thing, key)
+        if key in ("nx", "ny") and key in used:
+            errors.whole(name, value, 1, 1_000_000_000)
+        elif key in used:
+            (errors.at_least_zero if key == "r1" else errors.above_zero)(name, value)
         elif value is not None:
-            raise errors.refuse(f"{name}.{key}", value, f"None for {'a ' + thing.shape if thing.shape else 'the whole plane'}")
-    vector(name + ".at", thing.at, 2)
+            raise errors.refuse(name, value, f"None for {owner}")
+
+
+def _check_area(thing: "Face | Port") -> None:
+    """Checks the shape and the place of a face or a port."""
+    check_shape(thing, SHAPES[thing.shape] if thing.shape else (), NUMBERS, f"a {thing.shape}" if thing.shape else "the whole plane")
+    vector(type(thing).__name__ + ".at", thing.at, 2)
     if thing.shape is None and tuple(thing.at) != (0.0, 0.0):
-        raise errors.refuse(name + ".at", thing.at, "(0, 0) for the whole plane")
+        raise errors.refuse(type(thing).__name__ + ".at", thing.at, "(0, 0) for the whole plane")
+
+
+def check_reflector(thing: Any, key: str) -> None:
+    """Checks the law of a face or a backing, which stands under `key`, and that it has the numbers of its law and no others."""
+    name, law = type(thing).__name__, getattr(thing, key)
+    errors.choice(f"{name}.{key}", law, "mirror", "lambertian", "metal")
+    for number, used, most in (("R", law != "metal", 1), ("n", law == "metal", 100), ("k", law == "metal", 100)):
+        value = getattr(thing, number)
+        if used:
+            errors.number(f"{name}.{number}", value, 0, most, f"a number from 0 to {most}")
+        elif value is not None:
+            raise errors.refuse(f"{name}.{number}", value, f"None for {law}")
+
+
+def reflector_numbers(thing: Any) -> list[str]:
+    """Returns the numbers of a law as words."""
+    return [shortest(value) for value in (thing.R, thing.n, thing.k) if value is not None]
 
 
 def _shape_words(thing: "Face | Port") -> list[str]:
     return [] if thing.shape is None else [thing.shape, *(shortest(getattr(thing, key)) for key in SHAPES[thing.shape])]
 
 
-def _place_words(thing: "Face | Port") -> list[str]:
+def place_words(thing: Any) -> list[str]:
+    """Returns the word for `at`; none at the origin."""
     return ["at=" + ",".join(map(shortest, thing.at))] if tuple(thing.at) != (0.0, 0.0) else []
 
 
@@ -85,20 +109,13 @@ class Face:
     def __post_init__(self) -> None:
         if self.shape is not None:
             errors.choice("Face.shape", self.shape, *SHAPES)
-        _check_shape(self)
-        errors.choice("Face.law", self.law, "mirror", "lambertian", "metal")
-        metal = self.law == "metal"
-        for name, used, most in (("R", not metal, 1), ("n", metal, 100), ("k", metal, 100)):
-            value = getattr(self, name)
-            if used:
-                errors.number("Face." + name, value, 0, most, f"a number from 0 to {most}")
-            elif value is not None:
-                raise errors.refuse("Face." + name, value, f"None for {self.law}")
+        _check_area(self)
+        check_reflector(self, "law")
 
     def line(self) -> str:
-        numbers = [shortest(value) for value in (self.R, self.n, self.k) if value is not None]
+        numbers = reflector_numbers(self)
         law = {"mirror": numbers, "lambertian": [*numbers, "lambertian"], "metal": ["metal", *numbers]}[self.law]
-        return " ".join(["face", *_shape_words(self), *law, *_place_words(self)])
+        return " ".join(["face", *_shape_words(self), *law, *place_words(self)])
 
 
 @dataclass
@@ -133,14 +150,14 @@ class Port:
 
     def __post_init__(self) -> None:
         errors.choice("Port.shape", self.shape, *SHAPES)
-        _check_shape(self)
+        _check_area(self)
         errors.number("Port.n", self.n, 0.01, 100, "a number from 0.01 to 100")
         if self.name is not None:
             check_name("Port.name", self.name)
 
     def line(self) -> str:
         name = [] if self.name is None else [f"name={self.name}"]
-        return " ".join(["port", *_shape_words(self), f"n={shortest(self.n)}", *_place_words(self), *name])
+        return " ".join(["port", *_shape_words(self), f"n={shortest(self.n)}", *place_words(self), *name])
 
 
 Top = Union[Face, Port]

@@ -18,8 +18,8 @@ from . import errors
 from .command_line import Parser, check_overwrite, picture_path, print_text, shown_path
 from .commands import check, mesh
 from .pictures import COLOURS, drawing, save
-from .program import scratch_folder
 from .scene import Scene
+from .scene_files import scratch_folder
 from .view_top import draw_plan, draw_section, half_width
 
 LAYERS, BODIES = 20, 40  # numbers of layers and bodies that are named in the picture

@@ -44,8 +44,8 @@ cml_status cml_launcher_check(int size, struct cml_error *err)
     return cml_fail(
         err, CML_E_INPUT,
         "%s = %d processes were started, but each sees only itself (expected the launcher of the MPI library "
-        "that this program uses, or srun --mpi=pmix; a build without MPI needs an adapter: "
-        "clustermcml help adapter)",
+        "that this program uses, or srun --mpi=pmix; a build without MPI needs an adapter "
+        "and an MPI library: clustermcml help adapter)",
         variable, started);
 }
 

@@ -86,8 +86,7 @@ static cml_status open_sides(struct fates *fates, struct cml_error *err)
     const struct cml_check_setup *setup = fates->setup;
     for (int s = 0; s < setup->num_sides; s++) {
         const struct cml_check_side *side = &setup->sides[s];
-        fates->records[s] = calloc(PACKETS_AT_ONCE, sizeof *fates->records[s]);
-        if (!fates->records[s]) return cml_fail_memory(err, PACKETS_AT_ONCE * 96.0, "fates");
+        CML_TRY(cml_zeros(&fates->records[s], PACKETS_AT_ONCE, sizeof *fates->records[s], "fates", err));
         CML_TRY(side->engine->open(setup->scene, side->surfaces, &setup->options, &fates->engines[s], err));
     }
     return CML_OK;
@@ -127,13 +126,12 @@ static cml_status compare_beam(struct fates *fates, uint64_t first, uint64_t cou
 static cml_status compare_beams(struct fates *fates, struct cml_error *err)
 {
     const struct cml_scene *scene = fates->setup->scene;
-    uint64_t *number = malloc((size_t)scene->num_beams * sizeof *number);
-    if (!number) return cml_fail_memory(err, scene->num_beams * 8.0, "the beams");
-    cml_status status = cml_deal_numbers(scene->shares, scene->num_beams, fates->setup->photons, number, err);
-    for (int k = 0; status == CML_OK && k < scene->num_beams; k++)
-        status = compare_beam(fates, (uint64_t)k << CML_SOURCE_SHIFT, number[k], err);
-    free(number);
-    return status;
+    CML_FREED uint64_t *number = NULL;
+    CML_TRY(cml_zeros(&number, (size_t)scene->num_beams, sizeof *number, "the beams", err));
+    CML_TRY(cml_deal_numbers(scene->shares, scene->num_beams, fates->setup->photons, number, err));
+    for (int k = 0; k < scene->num_beams; k++)
+        CML_TRY(compare_beam(fates, (uint64_t)k << CML_SOURCE_SHIFT, number[k], err));
+    return CML_OK;
 }
 
 /* Compares the packets of all sides: equal fates and differences of totals, into pairs[1..]. */

@@ -5,16 +5,15 @@
 
 #include <math.h>
 
-/* Returns the exponent of the windows. Where much light arrives, windows gain little and slow down the light
- * that is reflected, so the exponent is small there. */
+/* Windows gain little, and slow down the light that is reflected, where much light arrives. */
 double cml_windows_power(double worth)
 {
     return worth > 1e-2 ? 0.5 : worth > 1e-5 ? 0.75 : 0.9;
 }
 
-/* Returns the gain for light that leaves below. V, the variance of one packet divided by the square of its
- * mean, is 0.008 / worth without windows, because packets weigh little there, and about log(V)^2 with
- * windows. Windows gain nothing where more than 5e-3 of the light arrives. */
+/* V, the variance of one packet divided by the square of its mean, is 0.008 / worth without windows, because
+ * packets weigh little there, and about log(V)^2 with windows. Windows gain nothing where more than 5e-3 of
+ * the light arrives. */
 double cml_gain_below(double worth)
 {
     /* V / log(V)^2 is smallest at V = e^2 = 7.4. For smaller V the formula would rise again, so the gain is 2
@@ -35,8 +34,8 @@ static double spread_of(const struct cml_detector_def *detector)
     return whole ? 1 : fmin(1, 4.5 * sqrt(narrow));
 }
 
-/* Returns the share of the light that the detector's aperture takes, for light that leaves equally bright in
- * all directions, as scattered light does. On rough skin 1 to 1.15 times that share was counted. */
+/* The light is taken to leave equally bright in all directions, as scattered light does. On rough skin 1 to
+ * 1.15 times that share was counted. */
 double cml_accepted_by(const struct cml_scene *scene, const struct cml_detector_def *detector)
 {
     const double n = detector->contact ? scene->contacts[detector->contact - 1].n
@@ -45,13 +44,11 @@ double cml_accepted_by(const struct cml_scene *scene, const struct cml_detector_
     return detector->aimed ? sine * sine * fmax(cos(detector->angle), sine / 5) : 1;
 }
 
-/* Returns the gain of windows for a detector: the time of plain packets over the time of packets with
- * windows, for the same error. A plain packet has the relative variance weight / (worth accepted), where
- * `weight` is the mean weight of packets that arrive, weighted by weight. With windows, a packet arrives in
- * about most parts, where `most` is the largest importance, and splits by the root of `accepted` before the
- * aperture. The time grows with every decade of the worth and with these last parts. The numbers are fitted
- * to sixteen detectors, within a factor of 2.4: the fibres of bench/choices/aim.py, ports of 0.01 and 0.03 cm
- * at 0.02 to 0.3 cm, alone and six in a group, and rings of 0.2 cm with apertures down to 0.01. */
+/* A plain packet has the relative variance weight / (worth accepted). With windows, a packet arrives in about
+ * most parts, and splits by the root of `accepted` before the aperture. The time grows with every decade of
+ * the worth and with these last parts. The numbers are fitted to sixteen detectors, within a factor of 2.4:
+ * the fibres of bench/choices/aim.py, ports of 0.01 and 0.03 cm at 0.02 to 0.3 cm, alone and six in a group,
+ * and rings of 0.2 cm with apertures down to 0.01. */
 double cml_gain_at(const struct cml_detector_def *detector, const struct cml_window_table *windows,
                    double weight, double most)
 {

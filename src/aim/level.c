@@ -36,10 +36,9 @@ static struct floor find_floor(const struct cml_scene *scene, const struct cml_s
     return floor;
 }
 
-/* Returns the level in the first layer that reaches below the floor, which is the depth below which the scene
- * is flat. The level lies below the floor by a sixteenth of a mean free path, or of the rest of the layer if
- * the rest is thinner. This distance keeps rounding from putting a packet beyond the level when the packet
- * has just passed a shape. */
+/* The level lies below the floor by a sixteenth of a mean free path, or of the rest of the layer if the rest
+ * is thinner. This distance keeps rounding from putting a packet beyond the level when the packet has just
+ * passed a shape. */
 struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct floor floor = find_floor(scene, surfaces);
@@ -54,10 +53,9 @@ struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struc
     return (struct cml_aim_level){0};
 }
 
-/* Returns the level's depth if --aim would reduce the variance of Tt, else NaN. Counting exits gives Tt a
- * relative variance V per packet. Expected values give 1 / share or less, where `share` is the share of the
- * light that reaches the level. In four scenes simulated both ways they gave a third to a seventh of 1 /
- * share. */
+/* Counting exits gives Tt a relative variance V per packet. Expected values give 1 / share or less, where
+ * `share` is the share of the light that reaches the level. In four scenes simulated both ways they gave a
+ * third to a seventh of 1 / share. */
 double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                         const struct cml_result *result)
 {

@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Refuses a quantity that --aim cannot aim at. Only the first `length` letters of `aim` name it. */
 cml_status cml_aim_refuse(const struct cml_scene *scene, const char *aim, int length, const char *expected,
                           struct cml_error *err)
 {
@@ -89,8 +88,6 @@ static double depth_of(const struct cml_medium_def *media, int layers)
     return depth;
 }
 
-/* Makes the weight windows of --aim Tt: targets that guide packets to the light below the first `layers`
- * layers. The importance at each depth comes from adding-doubling of the layers as planes. */
 cml_status cml_windows_below(const char *aim, const struct cml_scene *scene,
                              const struct cml_medium_def *media, int layers, struct cml_window_table *windows,
                              struct cml_error *err)
@@ -373,18 +370,16 @@ static cml_status weigh_plain(const struct cml_scene *scene, const struct cml_me
                               double *importance, double *weight, struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 2;
-    struct cml_medium_def *dark = malloc(count * sizeof *dark);
+    CML_FREED struct cml_medium_def *dark = malloc(count * sizeof *dark);
     if (!dark) return cml_fail_memory(err, (double)(count * sizeof *dark), "layers");
     memcpy(dark, media, count * sizeof *dark);
     for (size_t l = 0; l < count; l++) dark[l].mua *= 2;
-    const cml_status status = cml_importance_of_place(dark, scene->num_layers, seen, windows->reach,
-                                                      windows->depth, RINGS, CELLS, importance, err);
+    CML_TRY(cml_importance_of_place(dark, scene->num_layers, seen, windows->reach, windows->depth, RINGS,
+                                    CELLS, importance, err));
     *weight = fmax(0.008, worth_of_light(scene, media, windows, importance) / windows->worth);
-    free(dark);
-    return status;
+    return CML_OK;
 }
 
-/* Makes the weight windows for light that a detector or a group sees, and estimates their gain. */
 cml_status cml_windows_at(const char *aim, const struct cml_scene *scene,
                           const struct cml_surface_set *surfaces, const struct cml_medium_def *media,
                           int number, struct cml_window_table *windows, struct cml_error *err)

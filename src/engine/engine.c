@@ -38,16 +38,12 @@ static double spacing_of_marks(const struct cml_scene *scene)
     return scene->map.volume ? fmin(bin, fmin(scene->map.dx, scene->map.dy)) : bin;
 }
 
-/* Returns how much one sampled interaction adds to A(z) of a row, as a share of the packet's weight. more:
- * by how much the row's mua exceeds the flown one, 1/cm. */
 double cml_engine_row_share(const struct cml_medium_def *flown, double more)
 {
     const double mua = flown->mua + more;
     return mua > 0 ? CML_ROW_SAMPLING * mua / (flown->mus > 0 ? flown->mus : flown->mua) : 0;
 }
 
-/* Finds a medium in which a row of a shared flight would learn A(z) from too few interactions, because the
- * flown medium hardly interacts. Returns -1 if there is none. */
 int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_engine_rows *rows)
 {
     for (int m = 0; m < scene->num_layers + 2 + scene->num_bodies; m++)
@@ -58,8 +54,8 @@ int cml_engine_rows_blind_in(const struct cml_scene *scene, const struct cml_eng
     return -1;
 }
 
-/* Returns the grid of the tallies that a run with these options needs. Facets are counted on the surfaces
- * that are flown, because a boundary that is tessellated has other facets than its cones. */
+/* Facets are counted on the surfaces that are flown, because a boundary that is tessellated has other facets
+ * than its cones. */
 struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                       const struct cml_engine_options *options)
 {
@@ -111,9 +107,8 @@ struct cml_tally_grid cml_engine_grid(const struct cml_scene *scene, const struc
     return grid;
 }
 
-/* Returns how many photons a thread takes at once. Pieces become smaller towards the end (guided
- * scheduling), so that all threads end at about the same time. takers: number of threads; left: photons
- * left. */
+/* Pieces become smaller towards the end (guided scheduling), so that all threads end at about the same time.
+ * */
 uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
 {
     const uint64_t least = 16;
@@ -127,9 +122,8 @@ uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
 
 #define PATIENCE 0.3 /* seconds of a thread's own time */
 
-/* True if the thread has flown on for the time of its patience since the run was to stop. The time is the
- * thread's own, not the wall's, so that packets get their time to end on a machine that is busy with other
- * work. */
+/* The time is the thread's own, not the wall's, so that packets get their time to end on a machine that is
+ * busy with other work. */
 bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience)
 {
     if (!work->stops || !work->stops(work->context)) return false;
@@ -138,7 +132,6 @@ bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patie
     return now - patience->since > PATIENCE;
 }
 
-/* Makes the error of a run that was stopped and whose last packets would not end. */
 cml_status cml_engine_given_up(struct cml_error *err)
 {
     return cml_fail(err, CML_E_STOPPED, "packets that do not end were given up");
@@ -187,7 +180,6 @@ static void add_to_range(void *context, struct cml_tally *tally)
     pthread_mutex_unlock(&range->lock);
 }
 
-/* Flies packets first to first + count - 1 by themselves, without batches, and adds them to a tally. */
 cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uint64_t first, uint64_t count,
                                 struct cml_tally *tally, struct cml_error *err)
 {

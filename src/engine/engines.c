@@ -7,8 +7,7 @@
 
 #include <string.h>
 
-/* Returns the engine of a name; NULL if there is none. Only this function names every engine, so a new
- * engine is added here. */
+/* Only this function names every engine, so a new engine is added here. */
 const struct cml_engine *cml_engine_find(const char *name)
 {
     const struct cml_engine *const engines[] = {cml_engine_cpu(), &cml_engine_reference, &cml_engine_opencl};

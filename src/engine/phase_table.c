@@ -135,8 +135,8 @@ static cml_status fill(const char *file, const struct cml_phase *phase, struct c
     return CML_OK;
 }
 
-/* Fills the table of each phase function. The memory begins with twice the cells of all undivided tables, and
- * grows with the parts of divided cells. */
+/* The memory begins with twice the cells of all undivided tables, and grows with the parts of divided cells.
+ * */
 cml_status cml_phase_tables_create(const char *file, const struct cml_phase *phases,
                                    struct cml_phase_tables *tables, struct cml_error *err)
 {

@@ -283,12 +283,11 @@ static bool has_bodies_beside(const struct cml_scene *scene, int b)
 static cml_status try_level(const struct search *search, struct verdict *verdict, struct cml_error *err)
 {
     const struct cml_surface_set *ways[2] = {search->curved, &search->level};
+    CML_AT_END(close_trial)
     struct trial trial = {
         .engine = search->engine, .tolerance = search->tolerance, .most_steps = search->most_steps};
-    cml_status status = open_trial(search->scene, &search->options, ways, &trial, err);
-    if (status == CML_OK) status = fly_and_judge(&trial, verdict, err);
-    close_trial(&trial);
-    return status;
+    CML_TRY(open_trial(search->scene, &search->options, ways, &trial, err));
+    return fly_and_judge(&trial, verdict, err);
 }
 
 /* True if the boundary would become a face of a glass plate. As a plane it would make the program count the
@@ -404,9 +403,7 @@ static cml_status search_planes(struct search *search, struct cml_error *err)
     return status;
 }
 
-/* Replaces shapes by planes where trial flights show that the plane changes no result by more than
- * --tolerance. Trials have options of their own (seed, sampling), so that the outcome depends on the scene
- * only. */
+/* Trials have options of their own (seed, sampling), so that the outcome depends on the scene only. */
 cml_status cml_make_harmless_planes(const struct cml_scene *scene, const struct cml_surface_options *options,
                                     const struct cml_engine *engine,
                                     const struct cml_engine_options *engine_options,

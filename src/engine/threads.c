@@ -70,8 +70,6 @@ static int start(struct thread *thread, int count)
     return failed;
 }
 
-/* Runs a task on `count` threads, of which the caller is number 0, and waits for all. If fewer threads can
- * be started, task->fewer is told before the caller begins. */
 void cml_run_threads(int count, const struct cml_thread_task *task)
 {
     struct thread *threads = count > 1 ? calloc((size_t)count, sizeof *threads) : NULL;

@@ -66,8 +66,7 @@ static double phase_bytes(const struct cml_scene *scene)
            (sizeof(struct cml_phase_line) + sizeof(struct cml_phase_cell));
 }
 
-/* Returns the memory of the scene in the form that kernels read, in bytes. Boundaries and bodies have the
- * same records, so they are counted together. */
+/* Boundaries and bodies have the same records, so they are counted together. */
 double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_owned_world all = counted(surfaces);
@@ -480,25 +479,19 @@ static cml_status make_scores(const struct cml_scene *scene, const struct cml_ta
     return CML_OK;
 }
 
-/* Makes the scene in the form that kernels read: media, surfaces, bodies, beams, detectors. Beams come after
- * all surfaces, because the walk's own functions find the medium in which a beam starts. */
-cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                                  const struct cml_engine_options *options, struct cml_owned_world *to,
-                                  struct cml_error *err)
+/* Makes all parts of the world. Beams come after all surfaces, because the walk's own functions find the
+ * medium in which a beam starts. */
+static cml_status fill(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                       const struct cml_engine_options *options, struct cml_owned_world *to,
+                       struct cml_error *err)
 {
-    *to = counted(surfaces);
-    cml_status status = allocate(surfaces, to, err);
-    if (status == CML_OK) {
-        copy_media(scene, surfaces, to->media);
-        status = cml_copy_bodies(scene, surfaces, to, err);
-    }
-    if (status == CML_OK) status = copy_phases(scene, to, err);
-    if (status == CML_OK) status = set_tail(scene, options->tail, to, err);
-    if (status == CML_OK) status = set_windows(scene, surfaces->origin.at, options->windows, to, err);
-    if (status != CML_OK) {
-        cml_owned_world_free(to);
-        return status;
-    }
+    const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, options);
+    CML_TRY(allocate(surfaces, to, err));
+    copy_media(scene, surfaces, to->media);
+    CML_TRY(cml_copy_bodies(scene, surfaces, to, err));
+    CML_TRY(copy_phases(scene, to, err));
+    CML_TRY(set_tail(scene, options->tail, to, err));
+    CML_TRY(set_windows(scene, surfaces->origin.at, options->windows, to, err));
     copy_surfaces(surfaces, to);
     copy_roughness(scene, surfaces, to);
     copy_depths(surfaces, to);
@@ -510,14 +503,19 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     to->world.intersect_mesh = cml_mesh_surface_hit;
     set_up(scene, surfaces->origin.at, options, &to->world.setup);
     if (scene->facets) set_facets(surfaces, &scene->map, to);
-    status = cml_set_contacts(scene, surfaces->origin.at, to, err);
-    if (status == CML_OK)
-        status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
-    if (status == CML_OK) status = cml_set_detectors(scene, surfaces, options->windows, to, err);
-    const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, options);
-    if (status == CML_OK)
-        status = grid.derivatives ? make_scores(scene, &grid, to, err)
-                                  : copy_rows(scene, &grid, &options->rows, to, err);
+    CML_TRY(cml_set_contacts(scene, surfaces->origin.at, to, err));
+    CML_TRY(cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err));
+    CML_TRY(cml_set_detectors(scene, surfaces, options->windows, to, err));
+    return grid.derivatives ? make_scores(scene, &grid, to, err)
+                            : copy_rows(scene, &grid, &options->rows, to, err);
+}
+
+cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                  const struct cml_engine_options *options, struct cml_owned_world *to,
+                                  struct cml_error *err)
+{
+    *to = counted(surfaces);
+    const cml_status status = fill(scene, surfaces, options, to, err);
     if (status != CML_OK) cml_owned_world_free(to);
     return status;
 }
@@ -528,20 +526,16 @@ cml_status cml_source_media(const struct cml_scene *scene, const struct cml_surf
                             int **medium, double *stopped, struct cml_error *err)
 {
     const struct cml_engine_options plain = {.lattice = true};
-    struct cml_owned_world owned;
+    CML_AT_END(cml_owned_world_free) struct cml_owned_world owned = {0};
+    const bool asks = cml_scene_starts_inside(scene) || scene->num_contacts > 0;
     int passes;
-    int *found = calloc((size_t)scene->num_beams, sizeof *found);
-    if (!found) return cml_fail_memory(err, scene->num_beams * 4.0, "the beams");
-    cml_status status = CML_OK;
-    if (cml_scene_starts_inside(scene) || scene->num_contacts > 0) {
-        status = cml_owned_world_create(scene, surfaces, &plain, &owned, err);
-        for (int k = 0; status == CML_OK && k < scene->num_beams; k++)
-            found[k] = cml_source_medium(&owned.world, &scene->beams[k]);
-        for (int k = 0; status == CML_OK && stopped && k < scene->num_beams; k++)
-            stopped[k] = cml_stopped_share(&owned.world, k, &passes);
-        if (status == CML_OK) cml_owned_world_free(&owned);
+    *medium = NULL;
+    if (asks) CML_TRY(cml_owned_world_create(scene, surfaces, &plain, &owned, err));
+    *medium = calloc((size_t)scene->num_beams, sizeof **medium);
+    if (!*medium) return cml_fail_memory(err, scene->num_beams * 4.0, "the beams");
+    for (int k = 0; asks && k < scene->num_beams; k++) {
+        (*medium)[k] = cml_source_medium(&owned.world, &scene->beams[k]);
+        if (stopped) stopped[k] = cml_stopped_share(&owned.world, k, &passes);
     }
-    *medium = status == CML_OK ? found : NULL;
-    if (status != CML_OK) free(found);
-    return status;
+    return CML_OK;
 }

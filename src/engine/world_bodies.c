@@ -121,7 +121,6 @@ static void copy_grids(const struct cml_scene *scene, const double origin[2],
     }
 }
 
-/* Fills the media and surfaces of the bodies, the tree and the grids, by which the walk finds bodies. */
 cml_status cml_copy_bodies(const struct cml_scene *scene, const struct cml_surface_set *set,
                            struct cml_owned_world *to, struct cml_error *err)
 {

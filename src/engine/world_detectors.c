@@ -188,33 +188,31 @@ cml_status cml_add_level(const struct cml_outline *outline, const int *number, i
                          struct cml_detector_level *made, struct cml_error *err)
 {
     struct level of = {.outline = outline, .number = number, .origin = origin, .count = count}, *level = &of;
-    int *next = NULL, end = lists->num_entries;
+    CML_FREED int *next = NULL;
+    int end = lists->num_entries;
     double entries = 0;
     find_rectangle(level);
     CML_TRY(choose_cells(level, &next, &entries, err));
     const int cells = level->n * level->n;
-    const cml_status status = make_room(lists, cells + 1, (int)entries, err);
-    for (int c = 0; status == CML_OK && c < cells; c++) {
+    CML_TRY(make_room(lists, cells + 1, (int)entries, err));
+    for (int c = 0; c < cells; c++) {
         const int reach = next[c];
         lists->start[lists->num_starts + c] = next[c] = end;
         end += reach;
     }
-    if (status == CML_OK) {
-        lists->start[lists->num_starts + cells] = end;
-        (void)fill_cells(level, INFINITY, next, lists->list);
-        *made = (struct cml_detector_level){
-            .nx = level->n,
-            .ny = level->n,
-            .first = lists->num_starts,
-            .corner_x = (real)(level->all.low[0] - level->origin[0]),
-            .corner_y = (real)(level->all.low[1] - level->origin[1]),
-            .per_cell_x = (real)(level->n / (level->all.high[0] - level->all.low[0])),
-            .per_cell_y = (real)(level->n / (level->all.high[1] - level->all.low[1]))};
-        lists->num_starts += cells + 1;
-        lists->num_entries = end;
-    }
-    free(next);
-    return status;
+    lists->start[lists->num_starts + cells] = end;
+    (void)fill_cells(level, INFINITY, next, lists->list);
+    *made = (struct cml_detector_level){
+        .nx = level->n,
+        .ny = level->n,
+        .first = lists->num_starts,
+        .corner_x = (real)(level->all.low[0] - level->origin[0]),
+        .corner_y = (real)(level->all.low[1] - level->origin[1]),
+        .per_cell_x = (real)(level->n / (level->all.high[0] - level->all.low[0])),
+        .per_cell_y = (real)(level->n / (level->all.high[1] - level->all.low[1]))};
+    lists->num_starts += cells + 1;
+    lists->num_entries = end;
+    return CML_OK;
 }
 
 /* ---- all detectors ---- */
@@ -303,8 +301,6 @@ static int set_arcs(const struct cml_scene *scene, const struct cml_window_table
     return count;
 }
 
-/* Fills the detectors in the order of the scene, and sorts their places into levels, each with a grid of
- * cells. */
 cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                              const struct cml_window_table *windows, struct cml_owned_world *to,
                              struct cml_error *err)
@@ -314,30 +310,23 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
     cml_u64 pixels = 0;
     int num_levels = 0;
     if (n == 0) return CML_OK;
-    struct place *place = malloc(n * sizeof *place);
-    struct cml_outline *outline = malloc(n * sizeof *outline);
-    int *number = malloc(n * sizeof *number);
+    CML_FREED struct place *place = malloc(n * sizeof *place);
+    CML_FREED struct cml_outline *outline = malloc(n * sizeof *outline);
+    CML_FREED int *number = malloc(n * sizeof *number);
     to->detectors = cml_arrays_add(&to->arrays, n, sizeof *to->detectors);
     to->detector_levels = cml_arrays_add(&to->arrays, n, sizeof *to->detector_levels);
     to->detector_arcs = cml_arrays_add(&to->arrays, n, sizeof *to->detector_arcs);
-    const bool failed = !place || !outline || !number || to->arrays.failed;
-    cml_status status =
-        failed ? cml_fail_memory(err, (double)(n * sizeof *to->detectors), "detectors") : CML_OK;
-    for (size_t k = 0; !failed && k < n; k++) {
+    if (!place || !outline || !number || to->arrays.failed)
+        return cml_fail_memory(err, (double)(n * sizeof *to->detectors), "detectors");
+    for (size_t k = 0; k < n; k++) {
         const struct cml_detector_def *def = &scene->detectors[k];
         place[k] = (struct place){def->below, def->z, (int)k};
         to->detectors[k] = detector_of(scene, surfaces->origin.at, def);
         to->detectors[k].first_pixel = pixels;
         if (def->shape == CML_DETECTOR_MAP) pixels += (cml_u64)def->nx * (cml_u64)def->ny;
     }
-    if (!failed) {
-        qsort(place, (size_t)cml_num_areas(scene), sizeof *place, compare_places);
-        status = add_levels(scene, surfaces->origin.at, place, outline, number, to, &num_levels, err);
-    }
-    free(place);
-    free(outline);
-    free(number);
-    if (status != CML_OK) return status;
+    qsort(place, (size_t)cml_num_areas(scene), sizeof *place, compare_places);
+    CML_TRY(add_levels(scene, surfaces->origin.at, place, outline, number, to, &num_levels, err));
     to->world.detection = (struct cml_detection){
         .num_detectors = (int)n,
         .num_levels = num_levels,
@@ -350,7 +339,7 @@ cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_sur
         .list = to->detector_cells.list,
         .per_length = 1 / grid.path_unit,
         .top = grid.path_top};
-    return status;
+    return CML_OK;
 }
 
 /* ---- faces and ports on boundary 0, and the light that they stop ---- */
@@ -361,22 +350,17 @@ static cml_status make_contact_grid(const struct cml_scene *scene, const double 
 {
     const int first = to->world.contacts.whole, count = scene->num_contacts - first;
     if (count == 0) return CML_OK;
-    struct cml_outline *outline = malloc((size_t)count * sizeof *outline);
-    int *number = malloc((size_t)count * sizeof *number);
-    cml_status status =
-        outline && number ? CML_OK : cml_fail_memory(err, count * (double)sizeof *outline, "faces and ports");
-    for (int k = 0; status == CML_OK && k < count; k++) {
+    CML_FREED struct cml_outline *outline = malloc((size_t)count * sizeof *outline);
+    CML_FREED int *number = malloc((size_t)count * sizeof *number);
+    if (!outline || !number) return cml_fail_memory(err, count * (double)sizeof *outline, "faces and ports");
+    for (int k = 0; k < count; k++) {
         number[k] = first + k;
         outline[k] = cml_contact_outline(&scene->contacts[first + k]);
     }
-    if (status == CML_OK)
-        status =
-            cml_add_level(outline, number, count, origin, &to->contact_cells, &to->world.contacts.grid, err);
-    free(outline);
-    free(number);
+    CML_TRY(cml_add_level(outline, number, count, origin, &to->contact_cells, &to->world.contacts.grid, err));
     to->world.contacts.start = to->contact_cells.start;
     to->world.contacts.list = to->contact_cells.list;
-    return status;
+    return CML_OK;
 }
 
 cml_status cml_set_contacts(const struct cml_scene *scene, const double origin[2], struct cml_owned_world *to,

@@ -53,7 +53,7 @@ static size_t image_words(const struct cml_beam *beam)
 static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct cml_error *err)
 {
     const size_t columns = (size_t)beam->columns;
-    double *row = calloc((size_t)beam->rows, sizeof *row);
+    CML_FREED double *row = calloc((size_t)beam->rows, sizeof *row);
     if (!row) return cml_fail_memory(err, beam->rows * 8.0, "an image");
     for (int i = 0; i < beam->rows; i++)
         for (size_t k = 0; k < columns; k++) row[i] += beam->pixel[(size_t)i * columns + k];
@@ -61,7 +61,6 @@ static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct 
     words += 1 + beam->rows;
     for (int i = 0; i < beam->rows; i++, words += 1 + columns)
         sum_parts(beam->pixel + (size_t)i * columns, beam->columns, words);
-    free(row);
     return CML_OK;
 }
 
@@ -401,7 +400,6 @@ static void set_port(const struct cml_scene *scene, const struct cml_beam *beam,
 
 /* ---- all beams ---- */
 
-/* Returns the memory of all beams in the form that kernels read, in bytes. */
 double cml_source_bytes(const struct cml_scene *scene)
 {
     double bytes = 0;
@@ -434,24 +432,22 @@ static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_wo
                               struct cml_error *err)
 {
     size_t cell = 0, word = 0;
-    double *sum = calloc(to->num_light_cells + 1, sizeof *sum);
-    cml_status status = sum ? CML_OK : cml_fail_memory(err, (double)to->num_light_cells * 8, "a table");
-    for (int k = 0; status == CML_OK && k < scene->num_beams; k++) {
+    CML_FREED double *sum = calloc(to->num_light_cells + 1, sizeof *sum);
+    if (!sum) return cml_fail_memory(err, (double)to->num_light_cells * 8, "a table");
+    for (int k = 0; k < scene->num_beams; k++) {
         const struct cml_beam *beam = &scene->beams[k];
         struct cml_source *source = &to->sources[k];
         source->first_cell = (int)cell;
         source->first_word = (int)word;
         if (beam->light.kind == CML_LIGHT_OF_TABLE)
             source->num_cells = cut_table(&beam->light, to->light_cells + cell, sum);
-        if (beam->shape == CML_BEAM_IMAGE) status = sum_image(beam, to->image_words + word, err);
+        if (beam->shape == CML_BEAM_IMAGE) CML_TRY(sum_image(beam, to->image_words + word, err));
         cell += light_cells(&beam->light);
         word += image_words(beam);
     }
-    free(sum);
-    return status;
+    return CML_OK;
 }
 
-/* Returns the medium in which the middle of a beam lies; 0 is the medium above, where most beams start. */
 int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam)
 {
     static const double no_offset[3] = {0, 0, 0};
@@ -477,8 +473,6 @@ static cml_status check_stops(const struct cml_scene *scene, const struct cml_wo
     return CML_OK;
 }
 
-/* Fills one source per beam: its shape, the directions of its light, its axis, and the place and medium where
- * its packets start. */
 cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                            const struct cml_surface_set *start_as, struct cml_owned_world *to,
                            struct cml_error *err)

@@ -18,8 +18,7 @@ static bool is_full(const struct cml_dense_kind *kind, int i, int *next)
     return full;
 }
 
-/* Adds the product of the row vector a and the matrix b to the row vector c. Four rows of b are added at
- * once, so that c is read and written a quarter as often. */
+/* Adds four rows of b at once, so that c is read and written a quarter as often. */
 void cml_dense_add_row_product(const struct cml_dense_kind *kind, const double *restrict a,
                                const double *restrict b, double *restrict c)
 {
@@ -37,8 +36,6 @@ void cml_dense_add_row_product(const struct cml_dense_kind *kind, const double *
         if (!is_full(kind, k, &met)) c[k] += a[k] * b[(size_t)k * (size_t)n + (size_t)k];
 }
 
-/* Adds the matrix product a b to c. Rows that are zero except for their diagonal number (not in kind->full)
- * cost one multiplication. */
 void cml_dense_add_product(const struct cml_dense_kind *kind, int more, const double *a, const double *b,
                            double *c)
 {
@@ -52,7 +49,6 @@ void cml_dense_add_product(const struct cml_dense_kind *kind, int more, const do
     }
 }
 
-/* Adds the product of two matrices without special rows to c. The loops run in the order of memory. */
 void cml_dense_add_general(int rows, int middle, int columns, const double *restrict a,
                            const double *restrict b, double *restrict c)
 {
@@ -85,8 +81,7 @@ static void factorise(const struct cml_dense_kind *kind, double *a)
     }
 }
 
-/* Replaces the matrix b by b a^-1, which destroys a. b has `more` rows more than a. A row of b that is not
- * full has only its diagonal element, so it is divided by that of a. */
+/* A row of b that is not full has only its diagonal element, so it is divided by that of a. */
 void cml_dense_divide(const struct cml_dense_kind *kind, int more, double *a, double *b)
 {
     const int n = kind->n;

@@ -172,13 +172,12 @@ static void *doubles(struct cml_arrays *arrays, size_t count)
     return cml_arrays_add(arrays, count, sizeof(double));
 }
 
-/* Computes the importance of light by ring and depth, from the diffusion equation in finite volumes. */
 cml_status cml_importance_of_place(const struct cml_medium_def *media, int layers, struct cml_seen_rings seen,
                                    double reach, double depth, int rings, int cells, double *value,
                                    struct cml_error *err)
 {
     const size_t most = PIECES + 2 * (size_t)layers, unknowns = (size_t)rings * most;
-    struct cml_arrays arrays = {0};
+    CML_AT_END(cml_arrays_free) struct cml_arrays arrays = {0};
     struct volumes volumes = {.rings = rings,
                               .border = doubles(&arrays, (size_t)rings + 1),
                               .h = doubles(&arrays, most),
@@ -187,14 +186,11 @@ cml_status cml_importance_of_place(const struct cml_medium_def *media, int layer
                               .mua = doubles(&arrays, most),
                               .band = doubles(&arrays, unknowns * (most + 1)),
                               .value = doubles(&arrays, unknowns)};
-    const cml_status status = cml_arrays_check(&arrays, "rings of layers", err);
-    if (status == CML_OK) {
-        cut(media, layers, reach, depth, &volumes);
-        for (int ring = 0; ring < rings; ring++)
-            for (int piece = 0; piece < volumes.pieces; piece++) set_row(&volumes, ring, piece, seen);
-        solve(&volumes);
-        interpolate(&volumes, depth, cells, value);
-    }
-    cml_arrays_free(&arrays);
-    return status;
+    CML_TRY(cml_arrays_check(&arrays, "rings of layers", err));
+    cut(media, layers, reach, depth, &volumes);
+    for (int ring = 0; ring < rings; ring++)
+        for (int piece = 0; piece < volumes.pieces; piece++) set_row(&volumes, ring, piece, seen);
+    solve(&volumes);
+    interpolate(&volumes, depth, cells, value);
+    return CML_OK;
 }

@@ -19,8 +19,7 @@ static double legendre(int n, double x, double *slope)
     return p;
 }
 
-/* Returns node i of Gauss's quadrature with n nodes on [-1, 1] and its weight: Newton's method from
- * Tricomi's first guess. */
+/* Newton's method from Tricomi's first guess. */
 double cml_gauss_node(int n, int i, double *weight)
 {
     double x = cos(CML_PI * (i + 0.75) / (n + 0.5)), slope = 1;
@@ -130,14 +129,11 @@ static void add_all(struct cml_directions *to, const double *index, int distinct
     }
 }
 
-/* Returns the cosine of direction i in a medium of index n, by Snell's law. */
 double cml_directions_cosine(const struct cml_directions *directions, int i, double n)
 {
     return refracted_cosine(directions->index[i], directions->cosine[i], n);
 }
 
-/* Describes which rows of a matrix between the first n directions are full: those of directions with weight.
- * Directions without weight receive light only from themselves. */
 struct cml_dense_kind cml_directions_kind(const struct cml_directions *directions, int n)
 {
     int full = 0;
@@ -201,45 +197,36 @@ void cml_directions_clear(struct cml_directions *directions)
     *directions = (struct cml_directions){0};
 }
 
-/* Allocates the tables of directions for `most` directions at most, and num_media media. */
-static cml_status allocate(int num_media, int most, struct cml_directions *to, struct cml_error *err)
+/* Allocates the tables of directions for `most` directions at most. */
+static cml_status allocate(int most, struct cml_directions *to, struct cml_error *err)
 {
-    *to = (struct cml_directions){.num_media = num_media};
     to->index = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->index);
     to->cosine = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->cosine);
     to->etendue = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->etendue);
     to->light = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->light);
-    to->live = cml_arrays_add(&to->arrays, (size_t)num_media, sizeof *to->live);
+    to->live = cml_arrays_add(&to->arrays, (size_t)to->num_media, sizeof *to->live);
     to->weighted = cml_arrays_add(&to->arrays, (size_t)most, sizeof *to->weighted);
-    const cml_status status = cml_arrays_check(&to->arrays, "directions", err);
-    if (status != CML_OK) cml_directions_clear(to);
-    return status;
+    return cml_arrays_check(&to->arrays, "directions", err);
 }
 
-/* Makes the directions of a stack: nodes between the indices of its media, each with its weights. */
 cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers, const bool *spreads,
                                  const struct cml_exact_light *light, int order, struct cml_directions *to,
                                  struct cml_error *err)
 {
     const int num_media = num_layers + 2;
-    struct cml_arrays arrays = {0};
+    CML_AT_END(cml_arrays_free) struct cml_arrays arrays = {0};
     double *index = cml_arrays_add(&arrays, (size_t)num_media, sizeof *index),
            *x = cml_arrays_add(&arrays, (size_t)light->num_samples, sizeof *x);
     struct cml_exact_ray *gathered = cml_arrays_add(&arrays, (size_t)light->num_samples, sizeof *gathered);
-    if (arrays.failed) {
-        cml_arrays_free(&arrays);
-        return cml_fail_memory(err, arrays.bytes, "directions");
-    }
+    *to = (struct cml_directions){.num_media = num_media};
+    CML_TRY(cml_arrays_check(&arrays, "directions", err));
     const int distinct = sort_indices(media, num_media, index);
     int most = light->num_beams;
     for (int k = 0; k < distinct; k++) most += interval_nodes(k > 0 ? index[k - 1] : 0, index[k], order);
     if (light->num_samples > 0) most += distinct * gathered_nodes(order);
-    const cml_status status = allocate(num_media, most, to, err);
-    if (status == CML_OK) {
-        add_all(to, index, distinct, media[0].n, light, order, x, gathered);
-        find_live(media, spreads, to);
-        if (light->diffuse > 0) add_diffuse(to, light->diffuse, media[0].n);
-    }
-    cml_arrays_free(&arrays);
-    return status;
+    CML_TRY(allocate(most, to, err));
+    add_all(to, index, distinct, media[0].n, light, order, x, gathered);
+    find_live(media, spreads, to);
+    if (light->diffuse > 0) add_diffuse(to, light->diffuse, media[0].n);
+    return CML_OK;
 }

@@ -37,8 +37,8 @@ struct cml_directions {
 
 /* Makes the directions of a stack. order: number of nodes over a quarter of a circle if all media had one
  * index. media: [num_layers + 2]. spreads: [num_layers + 1], true if a boundary, or the backing in its place,
- * sends light into all directions of the media beside it; NULL: none does. CML_E_INPUT: out of memory. On
- * failure *to is empty; else the caller clears it. */
+ * sends light into all directions of the media beside it; NULL: none does. CML_E_INPUT: out of memory. The
+ * caller clears *to, also after a failure. */
 CML_NODISCARD cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers,
                                                const bool *spreads, const struct cml_exact_light *light,
                                                int order, struct cml_directions *to, struct cml_error *err);

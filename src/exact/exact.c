@@ -172,18 +172,18 @@ static cml_status walk_boundaries(struct search *search, const struct cml_direct
  * work of all orders would exceed options->most_work. */
 static cml_status raise_order(struct search *search, int order, struct cml_error *err)
 {
-    struct cml_directions directions;
+    CML_AT_END(cml_directions_clear) struct cml_directions directions = {0};
     CML_TRY(cml_directions_create(search->media, search->num_layers, search->spreads, search->light, order,
                                   &directions, err));
     search->spent += work(search, &directions);
     search->enough = search->spent > search->options->most_work;
-    cml_status status = search->enough ? CML_OK : walk_boundaries(search, &directions, order, err);
-    if (status == CML_OK && !search->enough) status = solve_order(search, &directions, order, err);
+    if (search->enough) return CML_OK;
+    cml_status status = walk_boundaries(search, &directions, order, err);
+    if (status == CML_OK) status = solve_order(search, &directions, order, err);
     for (int b = 0; b <= search->num_layers; b++) {
         cml_rough_response_clear(&search->walked[b]);
         cml_layer_response_clear(&search->rough.layer[b]);
     }
-    cml_directions_clear(&directions);
     return status;
 }
 
@@ -221,7 +221,6 @@ static bool estimate(const struct search *search, struct cml_exact *exact)
     return search->num_rough > 0 && most <= 2 * most_spread;
 }
 
-/* Returns the largest error among all totals and layers. */
 double cml_exact_worst(const struct cml_exact *exact)
 {
     double worst = 0;
@@ -242,11 +241,10 @@ static cml_status look_ahead(struct search *search, struct cml_error *err)
 {
     double sum = 0;
     for (int k = 0; k < LEAST_ORDERS; k++) {
-        struct cml_directions directions;
+        CML_AT_END(cml_directions_clear) struct cml_directions directions = {0};
         CML_TRY(cml_directions_create(search->media, search->num_layers, search->spreads, search->light,
                                       orders[k], &directions, err));
         sum += work(search, &directions);
-        cml_directions_clear(&directions);
     }
     search->enough = sum > search->options->most_work;
     return CML_OK;
@@ -295,8 +293,6 @@ static void find_rough(struct search *search)
     }
 }
 
-/* Computes the shares of plane layers with rising orders, until all errors are within the tolerance or the
- * work is too much. */
 cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
                            const struct cml_exact_light *light, const struct cml_exact_options *options,
                            struct cml_exact *exact, struct cml_error *err)
@@ -322,13 +318,12 @@ cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
     return status;
 }
 
-/* Computes the shares of a scene with planes in place of its boundaries. */
 cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
                            const struct cml_exact_options *options, struct cml_exact *exact,
                            struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 2;
-    struct cml_exact_light light;
+    CML_AT_END(cml_exact_light_clear) struct cml_exact_light light = {0};
     if (scene->num_bodies > 0)
         return cml_fail_field(err, scene->file, scene->bodies[0].line, "body 1", "i",
                               "layers without bodies: adding-doubling knows no others");
@@ -352,7 +347,6 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
     memcpy(media, scene->media, count * sizeof *media);
     for (int l = 1; depth && l <= scene->num_layers; l++) media[l].d = depth[l] - depth[l - 1];
     const cml_status status = cml_exact_solve(media, scene->num_layers, &light, &own, exact, err);
-    cml_exact_light_clear(&light);
     if (status != CML_E_NUMERIC) return status;
     char reason[128];
     snprintf(reason, sizeof reason, "%.127s", err->text);

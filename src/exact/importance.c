@@ -51,16 +51,13 @@ static void cut(const struct cml_medium_def *media, int layers, double depth, st
 static cml_status solve(struct pieces *pieces, struct cml_error *err)
 {
     const struct cml_exact_light light = {.diffuse = 1};
-    struct cml_directions directions;
+    CML_AT_END(cml_directions_clear) struct cml_directions directions = {0};
     double reflected, transmitted;
     CML_TRY(cml_directions_create(pieces->media, pieces->count, NULL, &light, ORDER, &directions, err));
-    const cml_status status =
-        directions.count > MOST_DIRECTIONS
-            ? cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %d directions", MOST_DIRECTIONS)
-            : cml_stack_shares(pieces->media, NULL, NULL, &directions, TERMS, &reflected, &transmitted,
-                               pieces->absorbed, err);
-    cml_directions_clear(&directions);
-    return status;
+    if (directions.count > MOST_DIRECTIONS)
+        return cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %d directions", MOST_DIRECTIONS);
+    return cml_stack_shares(pieces->media, NULL, NULL, &directions, TERMS, &reflected, &transmitted,
+                            pieces->absorbed, err);
 }
 
 /* Returns the importance in the middle of piece i, counted from below. The incident flux of 1 has the
@@ -88,8 +85,7 @@ static void interpolate(const struct pieces *pieces, double depth, int cells, do
     }
 }
 
-/* Computes for each depth how likely light there comes out below the layers. By reciprocity this is the
- * fluence that light from below would cause there. */
+/* By reciprocity the importance is the fluence that light from below would cause there. */
 cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layers, int cells, double *value,
                                    struct cml_error *err)
 {
@@ -97,16 +93,13 @@ cml_status cml_importance_of_depth(const struct cml_medium_def *media, int layer
     size_t count = 0;
     for (int l = 1; l <= layers; l++) depth += media[l].d;
     for (int l = 1; l <= layers; l++) count += (size_t)pieces_of(media[l].d, depth);
-    struct cml_arrays arrays = {0};
+    CML_AT_END(cml_arrays_free) struct cml_arrays arrays = {0};
     struct pieces pieces = {.media = cml_arrays_add(&arrays, count + 2, sizeof *pieces.media),
                             .middle = cml_arrays_add(&arrays, count, sizeof *pieces.middle),
                             .absorbed = cml_arrays_add(&arrays, count, sizeof *pieces.absorbed)};
-    cml_status status = cml_arrays_check(&arrays, "pieces of layers", err);
-    if (status == CML_OK) {
-        cut(media, layers, depth, &pieces);
-        status = solve(&pieces, err);
-    }
-    if (status == CML_OK) interpolate(&pieces, depth, cells, value);
-    cml_arrays_free(&arrays);
-    return status;
+    CML_TRY(cml_arrays_check(&arrays, "pieces of layers", err));
+    cut(media, layers, depth, &pieces);
+    CML_TRY(solve(&pieces, err));
+    interpolate(&pieces, depth, cells, value);
+    return CML_OK;
 }

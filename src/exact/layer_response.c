@@ -252,33 +252,26 @@ static void set_cosines(const struct cml_directions *directions, struct work *w)
     }
 }
 
-/* Computes the response of a layer: by doubling a very thin layer, or directly if the medium does not
- * scatter. count: number of directions; terms: Legendre terms of the phase function. */
 cml_status cml_layer_response_create(const struct cml_medium_def *medium,
                                      const struct cml_directions *directions, int count, int terms,
                                      struct cml_layer_response *to, struct cml_error *err)
 {
     struct work w = {
         .n = count, .terms = terms, .medium = medium, .kind = cml_directions_kind(directions, count)};
-    struct cml_arrays arrays = {0};
+    CML_AT_END(cml_arrays_free) struct cml_arrays arrays = {0};
     const size_t n = (size_t)count;
     *to = (struct cml_layer_response){.count = count, .through = medium->mus > 0};
     to->R = cml_arrays_add(&to->arrays, n * (n + 1), sizeof(double));
     to->U = cml_arrays_add(&to->arrays, n * (n + 1), sizeof(double));
     to->a = cml_arrays_add(&to->arrays, n, sizeof(double));
     allocate_work(&arrays, &w);
-    cml_status status = cml_arrays_check(&to->arrays, "a layer", err);
-    if (status == CML_OK) status = cml_arrays_check(&arrays, "a layer", err);
-    if (status == CML_OK) status = cml_phase_moments(medium, terms + 1, w.moment, err);
-    if (status == CML_OK) {
-        set_cosines(directions, &w);
-        if (medium->mus > 0)
-            fill_scattering(&w, to);
-        else
-            fill_absorbing(&w, to);
-    } else {
-        cml_layer_response_clear(to);
-    }
-    cml_arrays_free(&arrays);
-    return status;
+    CML_TRY(cml_arrays_check(&to->arrays, "a layer", err));
+    CML_TRY(cml_arrays_check(&arrays, "a layer", err));
+    CML_TRY(cml_phase_moments(medium, terms + 1, w.moment, err));
+    set_cosines(directions, &w);
+    if (medium->mus > 0)
+        fill_scattering(&w, to);
+    else
+        fill_absorbing(&w, to);
+    return CML_OK;
 }

@@ -30,8 +30,7 @@ struct cml_layer_response {
 };
 
 /* Computes the response of a layer for the first `count` directions. terms: number of terms of the phase
- * function's Legendre series. CML_E_INPUT: out of memory. On failure *to is empty; else the caller clears
- * it. */
+ * function's Legendre series. CML_E_INPUT: out of memory. The caller clears *to, also after a failure. */
 CML_NODISCARD cml_status cml_layer_response_create(const struct cml_medium_def *medium,
                                                    const struct cml_directions *directions, int count,
                                                    int terms, struct cml_layer_response *to,

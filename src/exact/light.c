@@ -110,65 +110,50 @@ static bool is_spread(const struct cml_beam *beam)
     return beam->light.kind == CML_LIGHT_OF_NA || beam->light.kind == CML_LIGHT_OF_TABLE;
 }
 
-/* True if all light of beam k comes down onto the planes, the first of which is z = top. */
-static bool comes_from_above(const struct cml_scene *scene, double top, int k)
+/* Returns the first beam whose light does not all come down onto the planes, the first of which is z = top;
+ * num_beams: there is none. */
+static int beam_not_from_above(const struct cml_scene *scene, double top)
 {
-    const struct cml_beam *beam = &scene->beams[k];
-    const double rounding = 1e-12, widest = cml_light_widest(&beam->light, scene->media[0].n);
-    return !beam->inside || (beam->z < top && beam->angle < CML_PI / 2 - rounding &&
-                             beam->angle + widest <= CML_PI / 2 + rounding);
-}
-
-/* True if all beams start above all layers. */
-static bool all_come_from_above(const struct cml_scene *scene, double top)
-{
+    const double rounding = 1e-12;
     int k = 0;
-    while (k < scene->num_beams && comes_from_above(scene, top, k)) k++;
-    return k == scene->num_beams;
-}
-
-/* Refuses beams that do not come from above all layers, because adding-doubling knows no sources inside.
- * top: depth of the highest boundary, cm. */
-static cml_status check_beams(const struct cml_scene *scene, double top, struct cml_error *err)
-{
-    char value[40];
-    for (int k = 0; k < scene->num_beams; k++) {
-        snprintf(value, sizeof value, "%g", scene->beams[k].z);
-        if (!comes_from_above(scene, top, k))
-            return cml_fail_field(
-                err, scene->file, scene->beams[k].line, "beam: z", value,
-                "light that comes down from above all layers: adding-doubling knows no other");
+    for (; k < scene->num_beams; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        const double widest = cml_light_widest(&beam->light, scene->media[0].n);
+        if (beam->inside && !(beam->z < top && beam->angle < CML_PI / 2 - rounding &&
+                              beam->angle + widest <= CML_PI / 2 + rounding))
+            break;
     }
-    return CML_OK;
+    return k;
 }
 
-/* True if adding-doubling can compute this scene: light from above, and no backing of metal. */
 bool cml_exact_knows(const struct cml_scene *scene, double top)
 {
     return scene->backing.kind != CML_BACKING_METAL && scene->num_contacts == 0 &&
-           all_come_from_above(scene, top);
+           beam_not_from_above(scene, top) == scene->num_beams;
 }
 
-/* Collects the light of all beams by direction: parallel beams as rays, steepest first; diffuse light as one
- * share; cones and tables as samples of many directions. top: beams must start above this depth, cm. */
 cml_status cml_exact_light_create(const struct cml_scene *scene, double top, struct cml_exact_light *light,
                                   struct cml_error *err)
 {
     const double n = scene->media[0].n;
+    const int refused = beam_not_from_above(scene, top);
     int samples = 0;
     double all = 0;
+    char value[40];
     *light = (struct cml_exact_light){0};
-    CML_TRY(check_beams(scene, top, err));
+    if (refused < scene->num_beams) {
+        snprintf(value, sizeof value, "%g", scene->beams[refused].z);
+        return cml_fail_field(err, scene->file, scene->beams[refused].line, "beam: z", value,
+                              "light that comes down from above all layers: adding-doubling knows no other");
+    }
     for (int k = 0; k < scene->num_beams; k++) {
         all += scene->shares[k];
         if (is_spread(&scene->beams[k])) samples += samples_of(&scene->beams[k], n);
     }
     light->beam = calloc((size_t)scene->num_beams, sizeof *light->beam);
     light->sample = calloc((size_t)samples + 1, sizeof *light->sample);
-    if (!light->beam || !light->sample) {
-        cml_exact_light_clear(light);
+    if (!light->beam || !light->sample)
         return cml_fail_memory(err, samples * (double)sizeof *light->sample, "light");
-    }
     for (int k = 0; k < scene->num_beams; k++) {
         const struct cml_beam *beam = &scene->beams[k];
         const double share = scene->shares[k] / all;
@@ -190,7 +175,7 @@ void cml_exact_light_clear(struct cml_exact_light *light)
     *light = (struct cml_exact_light){0};
 }
 
-/* Returns the share of the light that comes in exactly vertically. Such beams stand first in the list. */
+/* Vertical beams stand first in the list. */
 double cml_exact_light_normal(const struct cml_exact_light *light)
 {
     double share = 0;
@@ -198,15 +183,12 @@ double cml_exact_light_normal(const struct cml_exact_light *light)
     return share;
 }
 
-/* Returns node i of Chebyshev's nodes between low and high, at which interpolation is most accurate. */
 double cml_exact_node(double low, double high, int count, int i)
 {
     return 0.5 * (low + high) + 0.5 * (high - low) * cos(CML_PI * (i + 0.5) / count);
 }
 
-/* Moves the light of all samples to `count` fixed directions (nodes between `low` and `high`), so that any
- * smooth response summed over the nodes equals the one over the samples: barycentric interpolation [Berrut,
- * Trefethen, SIAM Review 46 (2004) 501]. x[k]: direction of sample k. */
+/* Barycentric interpolation [Berrut, Trefethen, SIAM Review 46 (2004) 501]. */
 void cml_exact_gather(const double *x, const struct cml_exact_ray *sample, int samples, double low,
                       double high, int count, double *share)
 {

@@ -22,8 +22,8 @@ struct cml_exact_light {
 };
 
 /* Collects the light of a scene's beams on planes that replace all boundaries, the first at z = top.
- * CML_E_INPUT: a beam starts below that plane ("FILE:LINE: beam: z = ..."), or out of memory; then *light is
- * empty, else the caller clears it. */
+ * CML_E_INPUT: a beam starts below that plane ("FILE:LINE: beam: z = ..."), or out of memory. The caller
+ * clears *light, also after a failure. */
 CML_NODISCARD cml_status cml_exact_light_create(const struct cml_scene *scene, double top,
                                                 struct cml_exact_light *light, struct cml_error *err);
 /* True if adding-doubling can treat the scene's light, backing and boundary 0: all light comes from above the

@@ -61,10 +61,10 @@ static void add_interval(const struct cml_phase *phase, double low, double high,
  * one before. */
 static cml_status integrate(const struct cml_phase *phase, int count, double *moment, struct cml_error *err)
 {
-    struct rule rule = {.most = 32 + 2 * count};
-    rule.node = calloc(2 * (size_t)rule.most, sizeof *rule.node);
-    if (!rule.node) return cml_fail_memory(err, 16.0 * rule.most, "a phase function");
-    rule.weight = rule.node + rule.most;
+    const int most = 32 + 2 * count;
+    CML_FREED double *node = calloc(2 * (size_t)most, sizeof *node);
+    if (!node) return cml_fail_memory(err, 16.0 * most, "a phase function");
+    struct rule rule = {.most = most, .node = node, .weight = node + most};
     if (phase->kind == CML_PHASE_TABLE) {
         for (int i = 1; i < phase->rows; i++)
             add_interval(phase, phase->deflection[i - 1], phase->deflection[i], count, &rule, moment);
@@ -74,12 +74,10 @@ static cml_status integrate(const struct cml_phase *phase, int count, double *mo
         for (; low < 2; low = high, high = fmin(2 * high, 2))
             add_interval(phase, g < 0 ? 2 - high : low, g < 0 ? 2 - low : high, count, &rule, moment);
     }
-    free(rule.node);
     return CML_OK;
 }
 
-/* Computes the first `count` Legendre moments of a medium's phase function. Henyey-Greenstein functions have
- * the moments g^l; a share of cos^2 adds to moment 2; others are integrated. */
+/* A share of cos^2 adds to moment 2; functions without a closed form are integrated. */
 cml_status cml_phase_moments(const struct cml_medium_def *medium, int count, double *moment,
                              struct cml_error *err)
 {

@@ -190,14 +190,12 @@ void cml_rough_response_clear(struct cml_rough_response *response)
     *response = (struct cml_rough_response){0};
 }
 
-/* Estimates the matrices of a rough boundary by random walks from all directions on both sides. above,
- * below: numbers of directions on both sides. */
 cml_status cml_rough_response_create(const struct cml_rough_plane *plane,
                                      const struct cml_directions *directions, int above, int below,
                                      double walks, unsigned seed, struct cml_rough_response *to,
                                      struct cml_error *err)
 {
-    struct cml_arrays arrays = {0};
+    CML_AT_END(cml_arrays_free) struct cml_arrays arrays = {0};
     struct work w = {.plane = plane,
                      .directions = directions,
                      .above = above,
@@ -212,14 +210,9 @@ cml_status cml_rough_response_create(const struct cml_rough_plane *plane,
     *to = (struct cml_rough_response){.above = above, .below = below};
     to->mean = matrices_of(&w, &to->arrays);
     for (int k = 0; k < CML_ROUGH_PARTS; k++) to->part[k] = matrices_of(&w, &to->arrays);
-    cml_status status = cml_arrays_check(&to->arrays, "a rough boundary", err);
-    if (status == CML_OK) status = cml_arrays_check(&arrays, "a rough boundary", err);
-    if (status == CML_OK) {
-        find_intervals(&w);
-        fill(&w, walks, to);
-    } else {
-        cml_rough_response_clear(to);
-    }
-    cml_arrays_free(&arrays);
-    return status;
+    CML_TRY(cml_arrays_check(&to->arrays, "a rough boundary", err));
+    CML_TRY(cml_arrays_check(&arrays, "a rough boundary", err));
+    find_intervals(&w);
+    fill(&w, walks, to);
+    return CML_OK;
 }

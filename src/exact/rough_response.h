@@ -33,7 +33,7 @@ struct cml_rough_plane {
 
 /* Estimates the matrices of a rough boundary. They obey reciprocity exactly. Each column has the power of its
  * walks: 1 without a backing. walks: least number of walks. Another `seed` gives independent walks.
- * CML_E_INPUT: out of memory. On failure *to is empty; else the caller clears it. */
+ * CML_E_INPUT: out of memory. The caller clears *to, also after a failure. */
 CML_NODISCARD cml_status cml_rough_response_create(const struct cml_rough_plane *plane,
                                                    const struct cml_directions *directions, int above,
                                                    int below, double walks, unsigned seed,

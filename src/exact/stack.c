@@ -28,7 +28,6 @@ struct block {
 /* All that lies below a level, seen from above. `below`: [n + rows][n], n rows of the light that comes back,
  * then the shares of the uppermost block. */
 struct stack {
-    struct cml_arrays arrays;
     /* n: number of directions at the level; rows: number of shares; most: largest number of directions of any
      * medium */
     int n, rows, most;
@@ -41,8 +40,6 @@ struct stack {
     double *share;       /* [num_blocks][most + BLOCK_LAYERS][most] shares of all blocks */
 };
 
-/* Returns Fresnel's reflectance of unpolarised light between indices n1 and n2; c1 and c2 are the cosines on
- * both sides. A cosine of 0 means total reflection. */
 double cml_stack_fresnel(double n1, double c1, double n2, double c2)
 {
     if (!(c1 > 0 && c2 > 0)) return 1;
@@ -52,20 +49,20 @@ double cml_stack_fresnel(double n1, double c1, double n2, double c2)
 
 /* Allocates the matrices and blocks of a stack of layers. A block keeps the shares of up to BLOCK_LAYERS
  * layers; with one block for all, memory would grow with the square of the number of layers. */
-static cml_status allocate(struct stack *stack, const struct cml_directions *directions,
-                           struct cml_error *err)
+static cml_status allocate(struct cml_arrays *arrays, struct stack *stack,
+                           const struct cml_directions *directions, struct cml_error *err)
 {
     const size_t most = (size_t)directions->count, shares = most * (most + BLOCK_LAYERS),
                  size = most * most + shares, blocks = (size_t)(directions->num_media - 2) / BLOCK_LAYERS + 1;
     stack->most = directions->count;
-    stack->below = cml_arrays_add(&stack->arrays, size, sizeof(double));
-    stack->other = cml_arrays_add(&stack->arrays, size, sizeof(double));
-    stack->matrix = cml_arrays_add(&stack->arrays, size, sizeof(double));
-    stack->mirror = cml_arrays_add(&stack->arrays, most, sizeof(double));
-    stack->light = cml_arrays_add(&stack->arrays, 2 * most, sizeof(double));
-    stack->block = cml_arrays_add(&stack->arrays, blocks, sizeof *stack->block);
-    stack->share = cml_arrays_add(&stack->arrays, blocks * shares, sizeof(double));
-    return cml_arrays_check(&stack->arrays, "layers", err);
+    stack->below = cml_arrays_add(arrays, size, sizeof(double));
+    stack->other = cml_arrays_add(arrays, size, sizeof(double));
+    stack->matrix = cml_arrays_add(arrays, size, sizeof(double));
+    stack->mirror = cml_arrays_add(arrays, most, sizeof(double));
+    stack->light = cml_arrays_add(arrays, 2 * most, sizeof(double));
+    stack->block = cml_arrays_add(arrays, blocks, sizeof *stack->block);
+    stack->share = cml_arrays_add(arrays, blocks * shares, sizeof(double));
+    return cml_arrays_check(arrays, "layers", err);
 }
 
 /* Puts a smooth boundary on top of the stack, below a medium with n directions. Directions that exist on one
@@ -226,7 +223,8 @@ static cml_status build(const struct cml_medium_def *media, const struct cml_bac
     begin_block(stack, num_layers);
     for (int b = num_layers; b >= 0; b--) {
         const struct block *block = &stack->block[stack->num_blocks - 1];
-        struct cml_layer_response own = {.count = 0}, *layer = rough ? &rough->layer[b] : &own;
+        CML_AT_END(cml_layer_response_clear) struct cml_layer_response own = {.count = 0};
+        struct cml_layer_response *layer = rough ? &rough->layer[b] : &own;
         if (b > 0 && b < block->first) {
             end_block(stack);
             begin_block(stack, b);
@@ -239,7 +237,6 @@ static cml_status build(const struct cml_medium_def *media, const struct cml_bac
         if (b == 0) break;
         if (!layer->R) CML_TRY(cml_layer_response_create(&media[b], directions, stack->n, terms, layer, err));
         add_layer(stack, directions, layer, block->passed + b - block->first);
-        cml_layer_response_clear(&own);
     }
     end_block(stack);
     return CML_OK;
@@ -269,42 +266,35 @@ static void share_out(const struct stack *stack, const double *light, int step, 
     *transmitted = light[0];
 }
 
-/* Computes the shares of incident light that a stack of layers reflects, transmits and absorbs, by adding
- * layer after layer. absorbed: [layers]. */
 cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_backing_def *backing,
                             const struct cml_stack_rough *rough, const struct cml_directions *directions,
                             int terms, double *reflected, double *transmitted, double *absorbed,
                             struct cml_error *err)
 {
+    CML_AT_END(cml_arrays_free) struct cml_arrays arrays = {0};
     struct stack stack = {.n = 0};
-    cml_status status = allocate(&stack, directions, err);
-    if (status == CML_OK) status = build(media, backing, rough, directions, terms, &stack, err);
-    if (status == CML_OK) {
-        *reflected = 0;
-        for (int i = 0; i < stack.n; i++) *reflected += share(stack.below, stack.n, i, directions->light);
-        share_out(&stack, directions->light, 1, transmitted, absorbed);
-    }
-    cml_arrays_free(&stack.arrays);
-    return status;
+    CML_TRY(allocate(&arrays, &stack, directions, err));
+    CML_TRY(build(media, backing, rough, directions, terms, &stack, err));
+    *reflected = 0;
+    for (int i = 0; i < stack.n; i++) *reflected += share(stack.below, stack.n, i, directions->light);
+    share_out(&stack, directions->light, 1, transmitted, absorbed);
+    return CML_OK;
 }
 
-/* Computes what becomes of a ray in each direction without weight: the shares that are transmitted and that
- * each layer absorbs. response: [1 + layers][count], count: number of these rays. */
 cml_status cml_stack_responses(const struct cml_medium_def *media, const struct cml_directions *directions,
                                int terms, int count, double *response, struct cml_error *err)
 {
+    CML_AT_END(cml_arrays_free) struct cml_arrays arrays = {0};
     struct stack stack = {.n = 0};
-    CML_FREED double *light = calloc((size_t)directions->count, sizeof *light);
-    cml_status status =
-        light ? allocate(&stack, directions, err) : cml_fail_memory(err, 8.0 * directions->count, "layers");
-    if (status == CML_OK) status = build(media, NULL, NULL, directions, terms, &stack, err);
-    for (int j = 0, at = 0; status == CML_OK && j < stack.n; j++) {
+    double *light = cml_arrays_add(&arrays, (size_t)directions->count, sizeof *light);
+    CML_TRY(allocate(&arrays, &stack, directions, err));
+    CML_TRY(build(media, NULL, NULL, directions, terms, &stack, err));
+    for (int j = 0, at = 0; j < stack.n; j++) {
         if (directions->etendue[j] != 0) continue;
         light[j] = 1;
         share_out(&stack, light, count, response + at, response + count + at);
         at++;
         light[j] = 0;
     }
-    cml_arrays_free(&stack.arrays);
-    return status;
+    return CML_OK;
 }

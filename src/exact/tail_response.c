@@ -58,15 +58,11 @@ static cml_status solve(const struct cml_medium_def *stack, int num_layers,
                         const struct cml_exact_light *light, int order, double *response,
                         struct cml_error *err)
 {
-    struct cml_directions directions;
+    CML_AT_END(cml_directions_clear) struct cml_directions directions = {0};
     CML_TRY(cml_directions_create(stack, num_layers, NULL, light, order, &directions, err));
-    const cml_status status =
-        directions.count > MOST_DIRECTIONS
-            ? cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %d directions", MOST_DIRECTIONS)
-            : cml_stack_responses(stack, &directions, TERMS_PER_NODE * order, light->num_beams, response,
-                                  err);
-    cml_directions_clear(&directions);
-    return status;
+    if (directions.count > MOST_DIRECTIONS)
+        return cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %d directions", MOST_DIRECTIONS);
+    return cml_stack_responses(stack, &directions, TERMS_PER_NODE * order, light->num_beams, response, err);
 }
 
 /* Returns the largest relative change from old to new responses, by which the search for enough directions
@@ -96,16 +92,15 @@ static cml_status converge(const struct cml_medium_def *stack, int num_layers,
                            double *response, struct cml_error *err)
 {
     const size_t size = ((size_t)num_layers + 1) * (size_t)light->num_beams;
-    double *before = calloc(size, sizeof *before), change = INFINITY;
-    cml_status status = before ? CML_OK : cml_fail_memory(err, (double)size * sizeof *before, "responses");
-    for (int k = 0; status == CML_OK && k < NUM_ORDERS && !(change < CHANGE); k++) {
+    CML_FREED double *before = calloc(size, sizeof *before);
+    double change = INFINITY;
+    if (!before) return cml_fail_memory(err, (double)size * sizeof *before, "responses");
+    for (int k = 0; k < NUM_ORDERS; k++) {
         memcpy(before, response, size * sizeof *before);
-        status = solve(stack, num_layers, light, orders[k], response, err);
-        if (status == CML_OK && k > 0)
-            change = largest_change(tail, before, response, num_layers + 1, light->num_beams);
+        CML_TRY(solve(stack, num_layers, light, orders[k], response, err));
+        if (k > 0) change = largest_change(tail, before, response, num_layers + 1, light->num_beams);
+        if (change < CHANGE) return CML_OK;
     }
-    free(before);
-    if (status != CML_OK || change < CHANGE) return status;
     return cml_fail(err, CML_E_NUMERIC, "adding-doubling: responses change by %.1g at order %d", change,
                     orders[NUM_ORDERS - 1]);
 }
@@ -159,32 +154,27 @@ static cml_status fill(const struct cml_medium_def *stack, int num_layers, struc
 {
     const size_t numbers = (size_t)tail->intervals * (CML_FLAT_TAIL_CELLS + 1) * (size_t)tail->scores,
                  most = 64 * (size_t)tail->intervals;
-    struct cml_arrays arrays = {0};
+    CML_AT_END(cml_arrays_free) struct cml_arrays arrays = {0};
     struct cml_exact_light light = {.beam = cml_arrays_add(&arrays, most, sizeof *light.beam)};
     double *table = cml_arrays_add(&arrays, numbers, sizeof *table),
            *response = cml_arrays_add(&arrays, most * ((size_t)num_layers + 1), sizeof *response);
     tail->response = calloc(numbers, sizeof *tail->response);
     arrays.failed |= !tail->response;
-    cml_status status = cml_arrays_check(&arrays, "the layers below a level", err);
-    if (status == CML_OK) {
-        light.num_beams = set_rays(tail, light.beam);
-        status = converge(stack, num_layers, tail, &light, response, err);
-    }
-    for (int k = 0, first = 0; status == CML_OK && k < tail->intervals; first += nodes_of(tail, k++))
+    CML_TRY(cml_arrays_check(&arrays, "the layers below a level", err));
+    light.num_beams = set_rays(tail, light.beam);
+    CML_TRY(converge(stack, num_layers, tail, &light, response, err));
+    for (int k = 0, first = 0; k < tail->intervals; first += nodes_of(tail, k++))
         fill_interval(tail, k, response, first, light.num_beams,
                       table + (size_t)k * (CML_FLAT_TAIL_CELLS + 1) * (size_t)tail->scores);
-    if (status == CML_OK) scale(tail, table);
-    cml_arrays_free(&arrays);
-    return status;
+    scale(tail, table);
+    return CML_OK;
 }
 
-/* Makes the table of what light that goes down through depth z in layer `layer` will finally give:
- * absorption of each layer below, and transmittance (rule P15). */
 cml_status cml_tail_create(const struct cml_medium_def *media, int num_layers, int layer, double z,
                            struct cml_flat_tail *tail, struct cml_error *err)
 {
     const int layers = num_layers - layer + 1;
-    struct cml_medium_def *stack = calloc((size_t)layers + 2, sizeof *stack);
+    CML_FREED struct cml_medium_def *stack = calloc((size_t)layers + 2, sizeof *stack);
     *tail = (struct cml_flat_tail){.layer = layer, .z = z, .scores = layers};
     tail->index = calloc((size_t)layers + 1, sizeof *tail->index);
     tail->exponent = calloc((size_t)layers, sizeof *tail->exponent);
@@ -198,7 +188,6 @@ cml_status cml_tail_create(const struct cml_medium_def *media, int num_layers, i
         find_intervals(stack + 1, layers + 1, tail);
         status = fill(stack, layers, tail, err);
     }
-    free(stack);
     if (status != CML_OK) cml_flat_tail_clear(tail);
     return status;
 }

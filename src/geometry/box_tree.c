@@ -174,28 +174,27 @@ static void build(const struct builder *builder, struct node node)
 static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, struct cml_error *err)
 {
     struct cml_boxtree *made = calloc(1, sizeof *made);
-    *tree = made;
+    *tree = NULL;
     if (made) {
         made->n = n;
         made->index = malloc(n * sizeof *made->index);
         made->box = malloc((2 * n - 1) * sizeof *made->box);
         if (boxes) made->least = malloc((2 * n - 1) * sizeof *made->least);
     }
-    if (made && made->index && made->box && (made->least || !boxes)) {
-        for (size_t i = 0; i < n; i++) made->index[i] = (uint32_t)i;
-        return CML_OK;
+    if (!made || !made->index || !made->box || (boxes && !made->least)) {
+        cml_boxtree_free(made);
+        return cml_fail_memory(err, (double)n * 100.0, "the overlap check");
     }
-    cml_boxtree_free(made);
-    *tree = NULL;
-    return cml_fail_memory(err, (double)n * 100.0, "the overlap check");
+    for (size_t i = 0; i < n; i++) made->index[i] = (uint32_t)i;
+    *tree = made;
+    return CML_OK;
 }
 
-/* Builds a tree over the boxes of a mesh's triangles. Triangles are sorted by the sum of their corners:
- * three times the centroid, which gives the same order. */
+/* Triangles are sorted by the sum of their corners: three times the centroid, which gives the same order. */
 cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3], size_t num_triangles,
                               struct cml_boxtree **tree, struct cml_error *err)
 {
-    double(*corner_sum)[3] = malloc(num_triangles * sizeof *corner_sum);
+    CML_FREED double(*corner_sum)[3] = malloc(num_triangles * sizeof *corner_sum);
     if (!corner_sum)
         return cml_fail_memory(err, (double)(num_triangles * sizeof *corner_sum),
                                "the overlap check of a mesh");
@@ -203,17 +202,13 @@ cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triang
         const uint32_t *t = triangle[i];
         for (int k = 0; k < 3; k++) corner_sum[i][k] = vertex[t[0]][k] + vertex[t[1]][k] + vertex[t[2]][k];
     }
-    const cml_status status = allocate(num_triangles, false, tree, err);
-    if (status == CML_OK) {
-        const struct builder builder = {*tree, vertex, triangle, 3, (const double *)corner_sum};
-        build(&builder, root_of(*tree));
-    }
-    free(corner_sum);
-    return status;
+    CML_TRY(allocate(num_triangles, false, tree, err));
+    const struct builder builder = {*tree, vertex, triangle, 3, (const double *)corner_sum};
+    build(&builder, root_of(*tree));
+    return CML_OK;
 }
 
-/* Builds a tree over n boxes that the caller keeps: box[i] has the lower corner and the upper corner of box
- * i. Sorting by all six bounds (num_keys) keeps large boxes out of the cells of small ones. */
+/* Sorting by all six bounds keeps large boxes out of the cells of small ones. */
 cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n, struct cml_boxtree **tree,
                                     struct cml_error *err)
 {
@@ -224,7 +219,6 @@ cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n, struct 
     return CML_OK;
 }
 
-/* Frees a tree of boxes; NULL is allowed. */
 void cml_boxtree_free(struct cml_boxtree *tree)
 {
     if (!tree) return;
@@ -272,7 +266,6 @@ static bool search_own(const struct search *search, struct node node)
     return search_two(search, left, right) || search_own(search, left) || search_own(search, right);
 }
 
-/* Calls `pair` for every two triangles of two meshes whose boxes touch, until `pair` returns true. */
 bool cml_boxtree_pairs(const struct cml_boxtree *a, const struct cml_boxtree *b, cml_boxtree_pair *pair,
                        void *context)
 {
@@ -280,8 +273,7 @@ bool cml_boxtree_pairs(const struct cml_boxtree *a, const struct cml_boxtree *b,
     return search_two(&search, root_of(a), root_of(b));
 }
 
-/* Finds all pairs within one tree. Neighbours share vertices, so their boxes touch and all neighbours are
- * among the pairs. */
+/* Neighbours share vertices, so their boxes touch and all neighbours are among the pairs. */
 bool cml_boxtree_own_pairs(const struct cml_boxtree *tree, cml_boxtree_pair *pair, void *context)
 {
     const struct search search = {tree, tree, pair, context};
@@ -308,7 +300,6 @@ static void search_touching(const struct touching *touching, struct node node)
     search_touching(touching, right_of(node));
 }
 
-/* Calls `visit` for every box of the tree that touches the given box. */
 void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
                           cml_boxtree_visit *visit, void *context)
 {
@@ -370,9 +361,7 @@ static void visit_through(void *context, uint32_t i)
     column->nearest = fmin(column->nearest, fabs(depth_in_column(v, point) - point[2]));
 }
 
-/* Counts the triangles of the mesh above and below a point, along the vertical line through the point.
- * Triangles of part `without` of a body do not count. The search box has no size in x and y, and no end in
- * z. */
+/* The search box has no size in x and y, and no end in z. */
 struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_t without,
                                      const double point[3])
 {
@@ -422,9 +411,7 @@ static void search_closest(struct closest *closest, struct node node)
     if (cml_larger(a, b) < closest->least) search_closest(closest, left_first ? right : left);
 }
 
-/* Finds the object nearest to point p and returns the squared distance. `square` computes the squared
- * distance of one object. On entry *i is a first guess, which lets the search skip most boxes; on return *i
- * is the nearest object. */
+/* The guess lets the search skip most boxes. */
 double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
                            const void *context, uint32_t *i)
 {
@@ -469,8 +456,6 @@ static void search_around(struct around *around, struct node node)
     search_around(around, left_first ? right : left);
 }
 
-/* Finds the first box after number i that encloses box i and that `accept` takes: the smallest one if the
- * boxes are sorted by size. Returns n if there is none. */
 uint32_t cml_boxtree_first_around(const struct cml_boxtree *tree, uint32_t i, cml_boxtree_accept *accept,
                                   void *context)
 {

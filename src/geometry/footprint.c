@@ -9,28 +9,20 @@ struct cml_footprint {
     struct cml_polygon_rows rows;
 };
 
-/* Builds the footprint of a mesh: the polygon of its border, with edges sorted into rows. */
 cml_status cml_footprint_create(const struct cml_mesh *mesh, struct cml_footprint **footprint,
                                 struct cml_error *err)
 {
     const size_t n = mesh->num_border;
+    CML_FREED double(*point)[2] = malloc(n * sizeof *point);
+    CML_FREED struct cml_footprint *made = malloc(sizeof *made);
     *footprint = NULL;
-    struct cml_footprint *made = malloc(sizeof *made);
-    double(*point)[2] = malloc(n * sizeof *point);
-    cml_status status = CML_OK;
-    if (!made || !point) {
-        status = cml_fail_memory(err, 16.0 * (double)n, "the footprint of a mesh");
-    } else {
-        for (size_t i = 0; i < n; i++)
-            for (int k = 0; k < 2; k++) point[i][k] = mesh->vertex[mesh->border[i]][k];
-        status = cml_polygon_rows_build(point, n, &made->rows, err);
-    }
-    free(point);
-    if (status != CML_OK)
-        free(made);
-    else
-        *footprint = made;
-    return status;
+    if (!made || !point) return cml_fail_memory(err, 16.0 * (double)n, "the footprint of a mesh");
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < 2; k++) point[i][k] = mesh->vertex[mesh->border[i]][k];
+    CML_TRY(cml_polygon_rows_build(point, n, &made->rows, err));
+    *footprint = made;
+    made = NULL; /* now owned by the caller */
+    return CML_OK;
 }
 
 /* True if the ray from (x, y) along +x meets the edge. Half open in y, so that a vertex between two edges
@@ -41,8 +33,7 @@ static bool edge_is_right(const double p[2], const double q[2], double x, double
     return x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
 }
 
-/* True if a ray from (x, y) meets the border an odd number of times (Jordan's curve theorem; the even-odd
- * rule of M. Shimrat, Algorithm 112, Comm. ACM 5 (1962) 434). */
+/* Jordan's curve theorem; the even-odd rule of M. Shimrat, Algorithm 112, Comm. ACM 5 (1962) 434. */
 bool cml_footprint_contains(const struct cml_footprint *footprint, double x, double y)
 {
     const struct cml_polygon_rows *rows = &footprint->rows;
@@ -65,8 +56,7 @@ static double distance_to_edge(const double p[2], const double q[2], double x, d
     return hypot(px - s * ex, py - s * ey);
 }
 
-/* True if the border comes within d of (x, y). All edges that come within d in y are listed in the rows from
- * y - d to y + d. */
+/* All edges that come within d in y are listed in the rows from y - d to y + d. */
 bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double x, double y, double d)
 {
     const struct cml_polygon_rows *rows = &footprint->rows;
@@ -97,8 +87,7 @@ static bool edge_meets_box(const double p[2], const double q[2], const double bo
     return from <= to;
 }
 
-/* True if the rectangle lies inside the border. If no edge meets the rectangle, all of it lies on the same
- * side as its middle. */
+/* If no edge meets the rectangle, all of it lies on the same side as its middle. */
 bool cml_footprint_contains_box(const struct cml_footprint *footprint, const double lower[2],
                                 const double upper[2])
 {

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Frees all arrays of a mesh and leaves an empty mesh. */
 void cml_mesh_clear(struct cml_mesh *mesh)
 {
     free(mesh->vertex);
@@ -21,8 +20,6 @@ void cml_mesh_clear(struct cml_mesh *mesh)
     *mesh = (struct cml_mesh){0};
 }
 
-/* Allocates the vertices and triangles of a mesh. An error names the bytes: 24 a vertex (three doubles), 12
- * a triangle (three 32-bit indices). `what` names the mesh in the message. */
 cml_status cml_mesh_allocate(struct cml_mesh *mesh, size_t vertices, size_t triangles, const char *what,
                              struct cml_error *err)
 {
@@ -39,7 +36,6 @@ void cml_mesh_add_triangle(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
     memcpy(mesh->triangle[mesh->num_triangles++], corner, sizeof corner);
 }
 
-/* Copies a mesh with all of its arrays. */
 cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to, struct cml_error *err)
 {
     bool failed = false;
@@ -58,8 +54,7 @@ cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to, struc
                            "a copy of a mesh");
 }
 
-/* Makes the error message of a faulty mesh: file, line if line > 0, and the formatted text. The message also
- * tells how many faces of zero area were dropped, because they can be the cause. */
+/* The message also tells how many faces of zero area were dropped, because they can be the cause. */
 cml_status cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_error *err,
                          const char *format, ...)
 {
@@ -77,23 +72,21 @@ cml_status cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_
     return cml_fail(err, CML_E_INPUT, "%s%s: %s", work->source->path, where, message);
 }
 
-/* Returns the line of triangle t in its file. work->origin leads back to the file's numbering, as triangles
- * may have been dropped since. */
+/* work->origin leads back to the file's numbering, as triangles may have been dropped since. */
 int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t)
 {
     if (!work->source || !work->source->triangle_line) return 0;
     return work->source->triangle_line[work->origin ? work->origin[t] : t];
 }
 
-/* Prints a place with its height, as mesh files have it, instead of its depth. Computes 0.0 - z, because -z
- * would print a height of zero as -0. */
+/* A mesh file has heights instead of depths. Computes 0.0 - z, because -z would print a height of zero as -0.
+ * */
 const char *cml_mesh_place(const double position[3], char text[112])
 {
     snprintf(text, 112, "(%.6g, %.6g, height %.6g) cm", position[0], position[1], 0.0 - position[2]);
     return text;
 }
 
-/* True if all vertices of a mesh lie at one depth, which is then *z. */
 bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z)
 {
     for (size_t i = 1; i < mesh->num_vertices; i++)

@@ -102,14 +102,10 @@ static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struc
     memset(leaving, 0xff, mesh->num_vertices * sizeof *leaving);
     for (uint32_t e = 0; e < 3 * mesh->num_triangles; e++)
         if (work->opposite[e] == CML_NO_OPPOSITE) leaving[cml_half_edge_from(mesh, e)] = e;
-    uint8_t *seen = calloc(mesh->num_vertices, 1);
-    if (!seen) return no_memory(mesh, err);
-    const cml_status status = take_loop(work, leaving, seen, border, err);
-    free(seen);
-    return status;
+    CML_FREED uint8_t *seen = calloc(mesh->num_vertices, 1);
+    return seen ? take_loop(work, leaving, seen, border, err) : no_memory(mesh, err);
 }
 
-/* Returns the largest side of the mesh's bounding box, cm. */
 double cml_mesh_extent(const struct cml_mesh *mesh)
 {
     double extent = 0;
@@ -215,19 +211,15 @@ static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t 
                                struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
-    double(*point)[2] = malloc(mesh->num_border * sizeof *point);
+    CML_FREED double(*point)[2] = malloc(mesh->num_border * sizeof *point);
+    CML_AT_END(cml_polygon_rows_clear) struct cml_polygon_rows rows = {0};
+    size_t edge;
     if (!point) return no_memory(mesh, err);
     for (size_t i = 0; i < mesh->num_border; i++)
         memcpy(point[i], mesh->vertex[mesh->border[i]], sizeof point[i]);
-    struct cml_polygon_rows rows;
-    cml_status status = cml_polygon_rows_build(point, mesh->num_border, &rows, err);
-    free(point);
-    if (status != CML_OK) return status;
-    size_t edge = CML_POLYGON_SIMPLE;
-    status = cml_polygon_find_crossing(&rows, &edge, err);
-    cml_polygon_rows_clear(&rows);
-    if (status == CML_OK && edge != CML_POLYGON_SIMPLE) status = refuse_crossing(work, leaving, edge, err);
-    return status;
+    CML_TRY(cml_polygon_rows_build(point, mesh->num_border, &rows, err));
+    CML_TRY(cml_polygon_find_crossing(&rows, &edge, err));
+    return edge == CML_POLYGON_SIMPLE ? CML_OK : refuse_crossing(work, leaving, edge, err);
 }
 
 /* Turns a mesh that is upside down: reverses all triangles and the border. No vertex moves. Triangles that
@@ -263,21 +255,18 @@ static cml_status place_border(struct cml_mesh_work *work, const uint32_t *leavi
     return check_simple(work, leaving, err);
 }
 
-/* Finds the border of a boundary mesh, stores it in the mesh, and turns the mesh over if it is upside down.
- * leaving[v] is the vertex that follows vertex v on the border. */
 cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err)
 {
-    uint32_t *leaving = malloc(work->mesh->num_vertices * sizeof *leaving);
+    CML_FREED uint32_t *leaving = malloc(work->mesh->num_vertices * sizeof *leaving);
     if (!leaving) return no_memory(work->mesh, err);
     struct loop border = {0};
-    cml_status status = find_loop(work, leaving, &border, err);
-    if (status == CML_OK) status = place_border(work, leaving, err);
+    CML_TRY(find_loop(work, leaving, &border, err));
+    CML_TRY(place_border(work, leaving, err));
     /* The outer plane continues the sheet beyond the border, and the plane's upper side faces -z. Therefore
      * the sheet is right side up if its loop runs around the footprint in the negative sense of (x, y),
      * whatever the sheet's slope at the border. */
-    if (status == CML_OK && border.area > 0) flip_sheet(work);
-    free(leaving);
-    return status;
+    if (border.area > 0) flip_sheet(work);
+    return CML_OK;
 }
 
 /* ---- bodies ---- */
@@ -387,21 +376,16 @@ static void turn_parts(struct cml_mesh_work *work, const struct part *parts)
     }
 }
 
-/* Orients all facets of a body so that their normals point away from its material: outwards on parts,
- * inwards on cavities. */
 cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
-    struct part *parts = calloc(mesh->num_parts, sizeof *parts);
+    CML_FREED struct part *parts = calloc(mesh->num_parts, sizeof *parts);
     if (!parts) return cml_fail_memory(err, (double)(mesh->num_parts * sizeof *parts), "the parts of a body");
-    cml_status status = refuse_open_edges(work, err);
-    if (status == CML_OK) {
-        sum_volumes(mesh, parts);
-        status = check_volumes(work, parts, err);
-    }
-    if (status == CML_OK) status = find_cavities(work, parts, err);
-    if (status == CML_OK) turn_parts(work, parts);
+    CML_TRY(refuse_open_edges(work, err));
+    sum_volumes(mesh, parts);
+    CML_TRY(check_volumes(work, parts, err));
+    CML_TRY(find_cavities(work, parts, err));
+    turn_parts(work, parts);
     mesh->z_border = mesh->lower[2];
-    free(parts);
-    return status;
+    return CML_OK;
 }

@@ -117,22 +117,18 @@ static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
         for (int k = 0; k < 3; k++) mesh->vertex[i][k] += 0.0;
     size_t size = 16;
     while (size < 2 * mesh->num_vertices) size *= 2;
-    uint32_t *table = malloc(size * sizeof *table);
+    CML_FREED uint32_t *table = malloc(size * sizeof *table);
     CML_FREED uint32_t *same = malloc((mesh->num_vertices + 1) * sizeof *same);
-    if (table && same) {
-        memset(table, 0xff, size * sizeof *table);
-        work->notes.welded = find_equal(mesh, table, size - 1, same);
-    }
-    const bool good = table && same;
-    free(table);
-    if (!good) return cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
+    if (!table || !same) return cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
+    memset(table, 0xff, size * sizeof *table);
+    work->notes.welded = find_equal(mesh, table, size - 1, same);
     if (mesh->weld > 0) CML_TRY(join_near(work, same, err));
     for (size_t t = 0; t < mesh->num_triangles; t++)
         for (int k = 0; k < 3; k++) mesh->triangle[t][k] = same[mesh->triangle[t][k]];
     return CML_OK;
 }
 
-/* True if triangle t has an area of exactly 0. A sliver that is merely thin is a valid surface. */
+/* A sliver that is merely thin is a valid surface. */
 bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
 {
     const uint32_t *corner = mesh->triangle[t];
@@ -170,7 +166,7 @@ static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *
 static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
-    uint32_t *number = malloc(mesh->num_vertices * sizeof *number);
+    CML_FREED uint32_t *number = malloc(mesh->num_vertices * sizeof *number);
     if (!number) return cml_fail_memory(err, 4.0 * (double)mesh->num_vertices, "the vertices of a mesh");
     memset(number, 0xff, mesh->num_vertices * sizeof *number);
     for (size_t t = 0; t < mesh->num_triangles; t++)
@@ -183,7 +179,6 @@ static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
     }
     for (size_t t = 0; t < mesh->num_triangles; t++)
         for (int k = 0; k < 3; k++) mesh->triangle[t][k] = number[mesh->triangle[t][k]];
-    free(number);
     work->notes.unused = mesh->num_vertices - work->notes.welded - work->notes.joined - used;
     if (used < mesh->num_vertices) { /* an .stl has six times as many vertices as are used */
         double(*fewer)[3] = realloc(mesh->vertex, used * sizeof *fewer);
@@ -193,8 +188,6 @@ static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
     return CML_OK;
 }
 
-/* Makes the vertices and triangles of a file sound: refuses bad numbers and indices, joins equal vertices,
- * and drops faces of zero area and unused vertices. */
 cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_error *err)
 {
     CML_TRY(check_vertices(work, err));

@@ -61,8 +61,6 @@ static void add_outer_plane(struct cml_mesh *mesh)
     }
 }
 
-/* Computes a unit normal at every vertex: the mean of the adjacent facets' normals, weighted by angle. The
- * outer plane beyond the border counts as a facet. */
 cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err)
 {
     mesh->vertex_normal = calloc(mesh->num_vertices, sizeof *mesh->vertex_normal);
@@ -107,14 +105,13 @@ static size_t list_lengths(const struct cml_mesh *mesh, double *lengths)
  * triangles far longer than wide. */
 static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
 {
-    double *lengths = malloc((3 * mesh->num_triangles + mesh->num_border) * sizeof *lengths);
+    CML_FREED double *lengths = malloc((3 * mesh->num_triangles + mesh->num_border) * sizeof *lengths);
     summary->edge_median = summary->edge_min = NAN;
     if (!lengths) return;
     const size_t count = list_lengths(mesh, lengths);
     qsort(lengths, count, sizeof *lengths, cml_compare_doubles);
     summary->edge_min = lengths[0];
     summary->edge_median = 0.5 * (lengths[(count - 1) / 2] + lengths[count / 2]);
-    free(lengths);
 }
 
 /* Computes the means of z - reference, and of its square, over a triangle's projection: the mean of the

@@ -8,8 +8,7 @@
 
 #define EMPTY UINT32_MAX
 
-/* Returns a hash of three coordinates. Multiplications and shifts mix all bits, because coordinates on a grid
- * differ in few bits. */
+/* Multiplications and shifts mix all bits, because coordinates on a grid differ in few bits. */
 size_t cml_mesh_hash(const double p[3])
 {
     uint64_t bits[3];

@@ -46,8 +46,8 @@ static bool is_sound_with(const struct cml_mesh_work *work, double weld)
 {
     const struct cml_mesh *mesh = work->mesh;
     struct cml_error err;
-    struct cml_mesh copy = {0};
-    struct cml_mesh_work again = {.mesh = &copy};
+    CML_AT_END(cml_mesh_clear) struct cml_mesh copy = {0};
+    CML_AT_END(free_work) struct cml_mesh_work again = {.mesh = &copy};
     if (cml_mesh_allocate(&copy, mesh->num_vertices, work->num_paired, "a mesh", &err) != CML_OK)
         return false;
     memcpy(copy.vertex, mesh->vertex, mesh->num_vertices * sizeof *copy.vertex);
@@ -59,28 +59,22 @@ static bool is_sound_with(const struct cml_mesh_work *work, double weld)
     copy.unite = mesh->unite;
     copy.skirt = mesh->skirt > 0 ? mesh->skirt : cml_mesh_extent(mesh); /* the border need not be level */
     copy.weld = weld;
-    const bool is_sound = run_steps(&again, &err) == CML_OK;
-    free_work(&again);
-    cml_mesh_clear(&copy);
-    return is_sound;
+    return run_steps(&again, &err) == CML_OK;
 }
 
-/* Prepares a boundary mesh, step by step. Each step is a function of mesh_parts.h. */
 cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
                             struct cml_mesh_notes *notes, struct cml_error *err)
 {
-    struct cml_mesh_work work = {.mesh = mesh, .source = source};
+    CML_AT_END(free_work) struct cml_mesh_work work = {.mesh = mesh, .source = source};
     free(mesh->border);
     free(mesh->vertex_normal);
-    mesh->border = NULL;
-    mesh->vertex_normal = NULL;
     free(mesh->part);
     free(mesh->part_start);
-    mesh->part = mesh->part_start = NULL;
+    mesh->border = mesh->part = mesh->part_start = NULL;
+    mesh->vertex_normal = NULL;
     mesh->num_parts = 0;
     const cml_status status = run_steps(&work, err);
     if (status != CML_OK) cml_mesh_tell_of_corners(&work, is_sound_with, err);
-    free_work(&work);
     if (notes) *notes = work.notes;
     return status;
 }

@@ -143,23 +143,18 @@ static cml_status check_faces(const struct cml_mesh_work *work, struct cml_error
     return CML_OK;
 }
 
-/* Adds a skirt around the border of a mesh, which ends at the border's mean depth. */
 cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
-    struct rim rim = {.mesh = mesh, .count = mesh->num_border};
-    const size_t n = rim.count;
-    rim.along = malloc((n + 1) * sizeof *rim.along);
-    if (!rim.along || !make_room(work, n)) {
-        free(rim.along);
-        return cml_fail_memory(err, 56.0 * (double)n, "the skirt of a mesh");
-    }
+    const size_t n = mesh->num_border;
+    CML_FREED double *along = malloc((n + 1) * sizeof *along);
+    struct rim rim = {.mesh = mesh, .count = n, .along = along};
+    if (!along || !make_room(work, n)) return cml_fail_memory(err, 56.0 * (double)n, "the skirt of a mesh");
     measure(&rim);
     const double level = mean_depth(&rim);
     for (size_t i = 0; i < n; i++)
         work->notes.skirt_rise = fmax(work->notes.skirt_rise, fabs(vertex_of(&rim, i)[2] - level));
     add(&rim, mesh, level);
     work->notes.skirt = 2 * n;
-    free(rim.along);
     return check_faces(work, err);
 }

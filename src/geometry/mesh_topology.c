@@ -77,27 +77,20 @@ static cml_status pair_incidents(struct cml_mesh_work *work, struct incident *in
     return CML_OK;
 }
 
-/* Finds for every half-edge the opposite one, in the triangle on the other side of the edge. Counting edges
- * by vertex takes 0.05 s for 1e6 triangles; sorting took 0.28 s. */
+/* Counting edges by vertex takes 0.05 s for 1e6 triangles; sorting took 0.28 s. */
 cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
     const size_t num_edges = 3 * mesh->num_triangles;
     work->opposite = malloc(num_edges * sizeof *work->opposite);
-    struct incident *incidents = malloc(num_edges * sizeof *incidents);
-    size_t *first = calloc(mesh->num_vertices + 1, sizeof *first);
-    cml_status status = CML_OK;
-    if (!work->opposite || !incidents || !first) {
-        status = no_memory(mesh, err);
-    } else {
-        memset(work->opposite, 0xff, num_edges * sizeof *work->opposite);
-        list_incidents(mesh, first, incidents);
-        for (size_t v = 0, begin = 0; v < mesh->num_vertices && status == CML_OK; begin = first[v++])
-            status = pair_incidents(work, incidents + begin, first[v] - begin, err);
-    }
-    free(incidents);
-    free(first);
-    return status;
+    CML_FREED struct incident *incidents = malloc(num_edges * sizeof *incidents);
+    CML_FREED size_t *first = calloc(mesh->num_vertices + 1, sizeof *first);
+    if (!work->opposite || !incidents || !first) return no_memory(mesh, err);
+    memset(work->opposite, 0xff, num_edges * sizeof *work->opposite);
+    list_incidents(mesh, first, incidents);
+    for (size_t v = 0, begin = 0; v < mesh->num_vertices; begin = first[v++])
+        CML_TRY(pair_incidents(work, incidents + begin, first[v] - begin, err));
+    return CML_OK;
 }
 
 enum { KEPT, FLIPPED, UNVISITED };
@@ -195,25 +188,19 @@ static void flip_triangles(struct cml_mesh_work *work)
             opposite[e] = opposite[e] / 3 * 3 + 2 - opposite[e] % 3;
 }
 
-/* Makes the triangles of each part agree. The first triangle of a part sets the sense; the border decides
- * later which side is up (cml_mesh_find_border). */
+/* The border decides later which side is up (cml_mesh_find_border). */
 cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
     const size_t num_triangles = mesh->num_triangles;
     size_t parts = 0;
-    uint32_t second = 0, *queue = malloc(num_triangles * sizeof *queue);
+    uint32_t second = 0;
+    CML_FREED uint32_t *queue = malloc(num_triangles * sizeof *queue);
     work->turned = malloc(num_triangles);
     mesh->part = malloc(num_triangles * sizeof *mesh->part);
-    cml_status status = CML_OK;
-    if (!work->turned || !queue || !mesh->part) {
-        status = no_memory(mesh, err);
-    } else {
-        memset(work->turned, UNVISITED, num_triangles);
-        status = visit_all(work, queue, &parts, &second, err);
-    }
-    free(queue);
-    CML_TRY(status);
+    if (!work->turned || !queue || !mesh->part) return no_memory(mesh, err);
+    memset(work->turned, UNVISITED, num_triangles);
+    CML_TRY(visit_all(work, queue, &parts, &second, err));
     flip_triangles(work);
     if (mesh->closed) return list_parts(mesh, parts, err);
     if (parts > 1) return refuse_parts(work, parts, second, err);
@@ -238,28 +225,25 @@ static void mark_fan(const uint32_t *opposite, uint32_t start, uint8_t *marked)
     }
 }
 
-/* Refuses vertices with more than one fan of triangles. Around a vertex of a sheet the triangles form one
- * fan, closed inside and open at the border. Two fans at one vertex would join parts of the sheet at a point,
- * where no side is above. */
+/* Around a vertex of a sheet the triangles form one fan, closed inside and open at the border. Two fans at
+ * one vertex would join parts of the sheet at a point, where no side is above. */
 cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
     const uint32_t num_corners = (uint32_t)(3 * mesh->num_triangles);
-    uint8_t *marked = calloc(num_corners, 1), *has_fan = calloc(mesh->num_vertices, 1);
-    cml_status status = marked && has_fan ? CML_OK : no_memory(mesh, err);
-    for (uint32_t c = 0; c < num_corners && status == CML_OK; c++) {
+    CML_FREED uint8_t *marked = calloc(num_corners, 1), *has_fan = calloc(mesh->num_vertices, 1);
+    if (!marked || !has_fan) return no_memory(mesh, err);
+    for (uint32_t c = 0; c < num_corners; c++) {
         if (marked[c]) continue;
         const uint32_t vertex = cml_half_edge_from(mesh, c);
         char place[112];
         if (has_fan[vertex])
-            status = cml_mesh_fail(work, cml_mesh_triangle_line(work, c / 3), err,
-                                   "the mesh touches itself at the vertex %s (expected one fan of faces "
-                                   "around every vertex)",
-                                   cml_mesh_place(mesh->vertex[vertex], place));
+            return cml_mesh_fail(work, cml_mesh_triangle_line(work, c / 3), err,
+                                 "the mesh touches itself at the vertex %s (expected one fan of faces "
+                                 "around every vertex)",
+                                 cml_mesh_place(mesh->vertex[vertex], place));
         has_fan[vertex] = 1;
         mark_fan(work->opposite, c, marked);
     }
-    free(marked);
-    free(has_fan);
-    return status;
+    return CML_OK;
 }

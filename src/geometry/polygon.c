@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Returns the row of y. Rounding may put y into the row beside its own, but does so for edges and points
- * alike: the row never decreases with y. Each edge is therefore listed in the rows of all its points. */
+/* Rounding may put y into the row beside its own, but does so for edges and points alike. Each edge is
+ * therefore listed in the rows of all its points. */
 size_t cml_polygon_row(const struct cml_polygon_rows *rows, double y)
 {
     const double row = (y - rows->y_low) * rows->rows_per_length;
@@ -66,23 +66,19 @@ static cml_status fill_rows(struct cml_polygon_rows *rows, struct cml_error *err
     return CML_OK;
 }
 
-/* Sorts the edges of a polygon into rows by y, so that a search for one y looks at few edges. Copies the
- * points. */
 cml_status cml_polygon_rows_build(const double (*point)[2], size_t num_points, struct cml_polygon_rows *rows,
                                   struct cml_error *err)
 {
     *rows = (struct cml_polygon_rows){.num_points = num_points};
-    cml_status status = CML_OK;
     rows->point = malloc(num_points * sizeof *rows->point);
     if (rows->point) {
         memcpy(rows->point, point, num_points * sizeof *rows->point);
         choose_rows(rows);
         rows->first = calloc(rows->num_rows + 1, sizeof *rows->first);
     }
-    if (!rows->first)
-        status = cml_fail_memory(err, 24.0 * (double)num_points, "the border of a mesh");
-    else
-        status = fill_rows(rows, err);
+    const cml_status status =
+        rows->first ? fill_rows(rows, err)
+                    : cml_fail_memory(err, 24.0 * (double)num_points, "the border of a mesh");
     if (status != CML_OK) cml_polygon_rows_clear(rows);
     return status;
 }
@@ -160,18 +156,16 @@ static size_t sweep_row(const struct cml_polygon_rows *rows, size_t row, struct 
     return CML_POLYGON_SIMPLE;
 }
 
-/* Finds an edge of a polygon that crosses another edge, and writes its number to *edge. *edge stays
- * CML_POLYGON_SIMPLE if no edges cross. Only edges that share a row of the y axis are compared. */
+/* Only edges that share a row of the y axis are compared. */
 cml_status cml_polygon_find_crossing(const struct cml_polygon_rows *rows, size_t *edge, struct cml_error *err)
 {
     size_t longest = 1;
     for (size_t r = 0; r < rows->num_rows; r++)
         if (rows->first[r + 1] - rows->first[r] > longest) longest = rows->first[r + 1] - rows->first[r];
-    struct span *spans = malloc(longest * sizeof *spans);
+    CML_FREED struct span *spans = malloc(longest * sizeof *spans);
     if (!spans) return cml_fail_memory(err, 24.0 * (double)longest, "the border of a mesh");
     *edge = CML_POLYGON_SIMPLE;
     for (size_t r = 0; r < rows->num_rows && *edge == CML_POLYGON_SIMPLE; r++)
         *edge = sweep_row(rows, r, spans);
-    free(spans);
     return CML_OK;
 }

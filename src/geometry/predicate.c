@@ -133,8 +133,6 @@ static int orient2d_filter(const double a[2], const double b[2], const double c[
     return sign_of(det);
 }
 
-/* Returns the sign of cml_orient2d if floating point decides it surely, otherwise 0, without the slow exact
- * sums. */
 int cml_orient2d_fast(const double a[2], const double b[2], const double c[2])
 {
     int sure;
@@ -142,8 +140,6 @@ int cml_orient2d_fast(const double a[2], const double b[2], const double c[2])
     return sure ? sign : 0;
 }
 
-/* Returns +1 if a, b, c turn counter-clockwise, -1 if clockwise, 0 if they lie on a line. Exact: exact sums
- * decide where floating point cannot. */
 int cml_orient2d(const double a[2], const double b[2], const double c[2])
 {
     int sure;
@@ -167,9 +163,8 @@ static int orient3d_exact(const double a[3], const double b[3], const double c[3
     return exact_sign(&det);
 }
 
-/* Returns the sign of the determinant; uses exact arithmetic if the filter is unsure. The filter's bound is
- * Shewchuk's o3derrboundA; `size` is the sum of the terms' absolute values. A bound of exactly 0 means that
- * all products are exactly 0, as for points in a plane of the axes. */
+/* The filter's bound is Shewchuk's o3derrboundA; `size` is the sum of the terms' absolute values. A bound of
+ * exactly 0 means that all products are exactly 0, as for points in a plane of the axes. */
 int cml_orient3d(const double a[3], const double b[3], const double c[3], const double d[3])
 {
     const double adx = a[0] - d[0], ady = a[1] - d[1], adz = a[2] - d[2];
@@ -215,8 +210,8 @@ static int line_side_moved(const double a[3], const double b[3], const double u[
     return 0;
 }
 
-/* Returns the side on which the line passes the edge. The determinant has the form of cml_orient3d's with one
- * difference fewer, because the direction u is exact, so the same bound holds. */
+/* The determinant has the form of cml_orient3d's with one difference fewer, because the direction u is exact,
+ * so the same bound holds. */
 int cml_line_side(const double a[3], const double b[3], const double o[3], const double u[3])
 {
     const double ax = a[0] - o[0], ay = a[1] - o[1], az = a[2] - o[2];
@@ -230,10 +225,9 @@ int cml_line_side(const double a[3], const double b[3], const double o[3], const
     return sign != 0 ? sign : line_side_moved(a, b, u);
 }
 
-/* Returns the side of the triangle's plane on which o lies. A point in the plane counts as moved by (e, e^2,
- * e^3), so the first non-zero coordinate of the triangle's normal decides [the idea is that of H.
- * Edelsbrunner and E. P. Muecke, Simulation of simplicity, ACM Trans. Graphics 9 (1990) 66]. These
- * coordinates are areas of the triangle's projections. */
+/* A point in the plane counts as moved by (e, e^2, e^3), so the first non-zero coordinate of the triangle's
+ * normal decides [the idea is that of H. Edelsbrunner and E. P. Muecke, Simulation of simplicity, ACM Trans.
+ * Graphics 9 (1990) 66]. These coordinates are areas of the triangle's projections. */
 int cml_plane_side(const double a[3], const double b[3], const double c[3], const double o[3])
 {
     int sign = cml_orient3d(a, b, c, o);

@@ -63,6 +63,16 @@ static inline void cml_vec3_normalise(double a[3])
     for (int i = 0; i < 3; i++) a[i] *= k;
 }
 
+/* Finds two unit vectors e1, e2 perpendicular to a unit axis and to each other. */
+static inline void cml_vec3_frame(const double axis[3], double e1[3], double e2[3])
+{
+    const int thin = fabs(axis[0]) < 0.6 ? 0 : 1;
+    const double unit[3] = {thin == 0, thin == 1, 0};
+    cml_vec3_cross(axis, unit, e1);
+    cml_vec3_normalise(e1);
+    cml_vec3_cross(axis, e1, e2);
+}
+
 /* Sets out = cross(b - a, c - a): the normal of the triangle a b c, on the side from which a, b, c run
  * counter-clockwise, twice as long as the area. */
 static inline void cml_vec3_area(const double a[3], const double b[3], const double c[3], double out[3])

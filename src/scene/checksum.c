@@ -22,8 +22,6 @@ static uLong sum_tile(const struct cml_heightmap *tile, enum cml_normals normals
     return add_numbers(sum, tile->h, (size_t)tile->nx * (size_t)tile->ny);
 }
 
-/* Returns a checksum of a mesh's coordinates, triangles and kind of normals, by which two runs see that they
- * have the same mesh. 0 if there are no triangles. */
 uint32_t cml_mesh_checksum(const struct cml_mesh *mesh)
 {
     if (mesh->num_triangles == 0) return 0;
@@ -33,7 +31,6 @@ uint32_t cml_mesh_checksum(const struct cml_mesh *mesh)
                              mesh->num_triangles * sizeof *mesh->triangle);
 }
 
-/* Returns the CRC-32 of a boundary's shape: its rings, its tile or its mesh; 0 for a plane. */
 uint32_t cml_boundary_checksum(const struct cml_boundary *boundary)
 {
     const struct cml_radial *radial = &boundary->radial;
@@ -51,7 +48,6 @@ uint32_t cml_boundary_checksum(const struct cml_boundary *boundary)
     return 0;
 }
 
-/* Returns the checksum of a beam's image and of its table of light, which are too long to be printed. */
 uint32_t cml_beam_checksum(const struct cml_beam *beam)
 {
     const size_t pixels = (size_t)beam->columns * (size_t)beam->rows, rows = (size_t)beam->light.rows;

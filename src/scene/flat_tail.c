@@ -4,16 +4,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Returns where the rows of an interval's table end. Rows are evenly spaced in the square root of the
- * cosine, up to the direction that the next smaller index totally reflects: cos = sqrt(1 - share^2), and of
- * this the root. */
+/* An interval ends at the direction that the next smaller index totally reflects: cos = sqrt(1 - share^2). */
 double cml_flat_tail_widest(const struct cml_flat_tail *tail, int interval)
 {
     const double share = interval > 0 ? tail->index[interval - 1] / tail->index[interval] : 0;
     return pow((1 - share) * (1 + share), 0.25);
 }
 
-/* True if light from any direction contributes to this score (a layer's absorption, or the transmittance). */
 bool cml_flat_tail_has(const struct cml_flat_tail *tail, int score)
 {
     const int rows = tail->intervals * (CML_FLAT_TAIL_CELLS + 1);
@@ -22,7 +19,6 @@ bool cml_flat_tail_has(const struct cml_flat_tail *tail, int score)
     return false;
 }
 
-/* Frees the table of a tail. */
 void cml_flat_tail_clear(struct cml_flat_tail *tail)
 {
     free(tail->index);

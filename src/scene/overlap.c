@@ -34,26 +34,6 @@ static void make_plane(struct shape *shape, double z)
     shape->top = shape->bottom = z;
 }
 
-/* Sets the shape's least and greatest z from heights, which count up from depth z, while depths count
- * down. */
-static void set_range(struct shape *shape, const double *height, size_t count, double z)
-{
-    shape->top = INFINITY;
-    shape->bottom = -INFINITY;
-    for (size_t i = 0; i < count; i++) {
-        shape->top = fmin(shape->top, z - height[i]);
-        shape->bottom = fmax(shape->bottom, z - height[i]);
-    }
-}
-
-/* Makes the shape that represents a radial heightfield in the search for overlaps. z: the boundary's nominal
- * depth, cm. */
-static void make_field(struct shape *shape, const struct cml_radial *radial, double z)
-{
-    shape->field = (struct cml_radial_surface){radial, z};
-    set_range(shape, radial->h, (size_t)radial->n, z);
-}
-
 /* Makes the shape that represents a repeated heightmap in the search for overlaps: a plane if all heights
  * are equal, otherwise the range of depths that the heights span. z: the boundary's nominal depth. */
 static void make_tile(struct shape *shape, const struct cml_heightmap *tile, double z)
@@ -63,7 +43,7 @@ static void make_tile(struct shape *shape, const struct cml_heightmap *tile, dou
         return;
     }
     shape->is_tile = true;
-    set_range(shape, tile->h, (size_t)tile->nx * (size_t)tile->ny, z);
+    cml_depth_range(tile->h, (size_t)tile->nx * (size_t)tile->ny, z, &shape->top, &shape->bottom);
 }
 
 /* Makes the form of boundary `number` that the search for overlaps compares: plane, radial heightfield, tile
@@ -72,15 +52,16 @@ static void make_tile(struct shape *shape, const struct cml_heightmap *tile, dou
 static cml_status make_shape(const struct cml_boundary *boundary, int number, struct shape *shape,
                              struct cml_error *err)
 {
+    const struct cml_radial *radial = &boundary->radial;
     double z = 0.0;
     *shape = (struct shape){.number = number, .boundary = boundary};
     if (boundary->form == CML_FORM_PLANE) {
         make_plane(shape, boundary->z);
+    } else if (boundary->form == CML_FORM_RADIAL && cml_radial_is_flat(radial)) {
+        make_plane(shape, boundary->z - radial->h[0]);
     } else if (boundary->form == CML_FORM_RADIAL) {
-        if (cml_radial_is_flat(&boundary->radial))
-            make_plane(shape, boundary->z - boundary->radial.h[0]);
-        else
-            make_field(shape, &boundary->radial, boundary->z);
+        shape->field = (struct cml_radial_surface){radial, boundary->z};
+        cml_depth_range(radial->h, (size_t)radial->n, boundary->z, &shape->top, &shape->bottom);
     } else if (boundary->form == CML_FORM_TILE) {
         make_tile(shape, &boundary->tile, boundary->z);
     } else {
@@ -304,8 +285,7 @@ static void keep_above(struct above *above, struct shape *shape)
     if (!above->plane.boundary || shape->bottom >= above->plane.bottom) above->plane = *shape;
 }
 
-/* Refuses a scene whose boundaries cross or touch. Each boundary is compared with itself and with those
- * above it that could reach it, which `above` keeps. */
+/* Each boundary is compared with itself and with those above it that could reach it, which `above` keeps. */
 cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err)
 {
     struct above above = {.curved.boundary = NULL};

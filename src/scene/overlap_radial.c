@@ -3,10 +3,21 @@
  * SPDX-License-Identifier: MIT */
 #include "scene/overlap_radial.h"
 
+#include "base/array.h"
 #include "geometry/vec3.h"
 
 #include <float.h>
 #include <math.h>
+
+void cml_depth_range(const double *height, size_t count, double z, double *top, double *bottom)
+{
+    *top = INFINITY;
+    *bottom = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        *top = fmin(*top, z - height[i]);
+        *bottom = fmax(*bottom, z - height[i]);
+    }
+}
 
 /* Compares the two surfaces over (x, y), where they lie at z = upper and z = lower, and keeps the place if
  * the gap is smaller than before. The rounding error of the gap grows with `size`. */
@@ -32,8 +43,6 @@ static void compare_at_radius(const struct cml_radial_surface *upper, const stru
     keep_closest(closest, r, 0.0, upper->z - above, lower->z - below, size);
 }
 
-/* Finds where two radial heightfields come closest. Both are straight between their samples, so one of their
- * radii has the smallest gap. */
 void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                                struct cml_closest *closest)
 {
@@ -62,19 +71,10 @@ static void compare_at_point(const struct comparison *c, double x, double y, dou
         keep_closest(c->closest, x, y, field, mesh, size);
 }
 
-/* Returns the first sample of a radial heightfield at radius r or beyond; n if there is none. Radii rise, so
- * bisection finds it. */
 int cml_radial_sample_from(const struct cml_radial *radial, double r)
 {
-    int low = 0, high = radial->n;
-    while (low < high) {
-        const int middle = low + (high - low) / 2;
-        if (radial->r[middle] < r)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
+    const int i = (int)cml_last_not_above(radial->r, (size_t)radial->n, r);
+    return radial->r[i] < r ? i + 1 : i;
 }
 
 /* A mesh edge from a to b, seen from above. `along` is its length. The line through the edge passes the axis
@@ -232,18 +232,14 @@ static double least_gap(const struct comparison *c, const double *const v[3], do
     return c->mesh_is_upper ? field_top - (c->z_mesh + bottom) : c->z_mesh + top - field_bottom;
 }
 
-/* Finds where a radial heightfield and a mesh come closest. The heightfield's range of depths is computed
- * once, so that whole triangles can be excluded by it. */
+/* The heightfield's range of depths is computed once, so that whole triangles can be excluded by it. */
 void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
                              const struct cml_footprint *footprint, double z, bool mesh_is_upper,
                              struct cml_closest *closest)
 {
     const struct comparison c = {field->radial, z, field->z, mesh_is_upper, closest};
-    double top = INFINITY, bottom = -INFINITY;
-    for (int i = 0; i < field->radial->n; i++) {
-        top = fmin(top, field->z - field->radial->h[i]);
-        bottom = fmax(bottom, field->z - field->radial->h[i]);
-    }
+    double top, bottom;
+    cml_depth_range(field->radial->h, (size_t)field->radial->n, field->z, &top, &bottom);
     if (footprint) compare_outer_plane(&c, footprint, mesh->z_border);
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const uint32_t *t = mesh->triangle[i];

@@ -16,6 +16,10 @@ struct cml_radial_surface {
     double z;
 };
 
+/* Sets *top and *bottom to the least and the greatest depth of `count` heights, which count up from depth z,
+ * while depths count down. */
+void cml_depth_range(const double *height, size_t count, double z, double *top, double *bottom);
+
 /* Returns the index of the first sample with r_i >= r, or n if there is none. */
 int cml_radial_sample_from(const struct cml_radial *radial, double r);
 

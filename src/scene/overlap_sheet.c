@@ -40,7 +40,6 @@ static cml_status fill_sheet(struct cml_sheet *sheet, double z, struct cml_error
     return CML_OK;
 }
 
-/* Prepares a mesh for the search for overlaps. z: nominal depth of the mesh's boundary. */
 cml_status cml_sheet_create(const struct cml_mesh *mesh, double z, struct cml_sheet *sheet,
                             struct cml_error *err)
 {
@@ -51,7 +50,6 @@ cml_status cml_sheet_create(const struct cml_mesh *mesh, double z, struct cml_sh
     return status;
 }
 
-/* Frees everything of a sheet except its mesh, which the scene owns. */
 void cml_sheet_clear(struct cml_sheet *sheet)
 {
     free(sheet->vertex);
@@ -163,9 +161,8 @@ static enum cml_contact flat_contact(const struct cml_sheet *sheet, uint32_t i, 
     return cml_footprint_contains(sheet->footprint, at[0], at[1]) ? CML_APART : CML_TOUCH;
 }
 
-/* Searches a mesh for triangles that cut each other. Pairs of triangles come first; then each triangle is
- * compared with those in its own plane, and with the outer plane. A crossing found later replaces a mere
- * touch. */
+/* Pairs of triangles come first; then each triangle is compared with those in its own plane, and with the
+ * outer plane. A crossing found later replaces a mere touch. */
 void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_overlap *overlap)
 {
     memset(overlap, 0, sizeof *overlap);
@@ -195,8 +192,8 @@ static struct cml_column column_through(const struct cml_sheet *sheet, const dou
     return column;
 }
 
-/* True if a point lies below a sheet or inside a closed mesh. Above a point inside, the vertical line meets
- * an odd number of triangles; in a union, whose parts may overlap, the winding number decides. */
+/* Above a point inside, the vertical line meets an odd number of triangles; in a union, whose parts may
+ * overlap, the winding number decides. */
 bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3])
 {
     const struct cml_column column = column_through(sheet, point);
@@ -281,7 +278,6 @@ static void compare_surfaces(const struct cml_sheet *a, const struct cml_sheet *
     compare_with_plane(b, a, false, overlap);
 }
 
-/* Finds where two meshes cross or touch. Which lies above the other does not matter. */
 void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
                        struct cml_sheet_overlap *overlap)
 {
@@ -289,8 +285,8 @@ void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
     compare_surfaces(a, b, overlap);
 }
 
-/* Compares two sheets. Vertices come first, because they are cheap to compare and because the message then
- * gives the depth of the overlap. */
+/* Vertices come first, because they are cheap to compare and because the message then gives the depth of the
+ * overlap. */
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
 {

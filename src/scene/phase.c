@@ -9,26 +9,14 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Returns the word for a kind of phase function in the .mci. */
 const char *cml_phase_name(enum cml_phase_kind kind)
 {
     static const char *const names[CML_PHASE_KINDS] = {"hg2", "mhg", "gk", "rayleigh", "table"};
     return names[kind];
 }
 
-/* Returns the names of the parameters of a kind of phase function, ended by NULL. Rayleigh scattering and
- * tables have none. */
-const char *const *cml_phase_numbers(enum cml_phase_kind kind)
-{
-    static const char *const names[CML_PHASE_KINDS][CML_PHASE_NUMBERS + 1] = {
-        {"g1", "g2", "w"}, {"g", "w"}, {"g", "a"}};
-    return names[kind];
-}
-
 /* ---- tables ---- */
 
-/* Scales the densities of a table so that their integral over the deflection is 1, and fills `below`, the
- * integral up to each row. False if all densities are 0. */
 bool cml_phase_scale_table(struct cml_phase *phase)
 {
     const size_t bytes = (size_t)phase->rows * sizeof(double);
@@ -146,7 +134,6 @@ static double gk_mean(double g, double a)
     return 1 - gk_scale(a, all) * all * sum / (3 * STEPS);
 }
 
-/* Returns the share of the light that is scattered with a deflection below x. */
 double cml_phase_below(const struct cml_phase *phase, double x)
 {
     const double *n = phase->number;
@@ -164,8 +151,6 @@ double cml_phase_below(const struct cml_phase *phase, double x)
     }
 }
 
-/* Returns the density of scattered light over the deflection x = 1 - cos(theta), which runs from 0 to 2.
- * `number` holds the parameters in the order of the .mci: g1, g2, w; g, w; g, a. */
 double cml_phase_density(const struct cml_phase *phase, double x)
 {
     const double *n = phase->number, c = 1 - x;
@@ -183,7 +168,6 @@ double cml_phase_density(const struct cml_phase *phase, double x)
     }
 }
 
-/* Returns the mean cosine g of the deflection. */
 double cml_phase_mean(const struct cml_phase *phase)
 {
     const double *n = phase->number;
@@ -203,8 +187,6 @@ double cml_phase_mean(const struct cml_phase *phase)
 
 /* ---- words and lists ---- */
 
-/* True if two phase functions scatter alike: the same kind and parameters, and the same rows if they are
- * tables. */
 bool cml_phase_equal(const struct cml_phase *a, const struct cml_phase *b)
 {
     const size_t bytes = (size_t)a->rows * sizeof(double);
@@ -214,11 +196,12 @@ bool cml_phase_equal(const struct cml_phase *a, const struct cml_phase *b)
            (memcmp(a->deflection, b->deflection, bytes) == 0 && memcmp(a->density, b->density, bytes) == 0);
 }
 
-/* Prints a phase function as a line of the .mci has it. `sums`: adds the checksum of a table. */
 void cml_phase_print(FILE *stream, const struct cml_phase *phase, bool sums)
 {
+    static const int numbers[CML_PHASE_KINDS] = {
+        [CML_PHASE_HG2] = 3, [CML_PHASE_MHG] = 2, [CML_PHASE_GK] = 2};
     fputs(cml_phase_name(phase->kind), stream);
-    for (int i = 0; cml_phase_numbers(phase->kind)[i]; i++) fprintf(stream, " %.9g", phase->number[i]);
+    for (int i = 0; i < numbers[phase->kind]; i++) fprintf(stream, " %.9g", phase->number[i]);
     if (phase->kind != CML_PHASE_TABLE) return;
     fprintf(stream, " of %d rows", phase->rows);
     if (sums) fprintf(stream, ", crc32 %08x", phase->checksum);
@@ -236,7 +219,6 @@ static void phase_free(struct cml_phase *phase)
     free(phase);
 }
 
-/* Frees a list of phase functions. */
 void cml_phases_free(struct cml_phase *first)
 {
     while (first) {

@@ -47,9 +47,6 @@ struct cml_phase {
 /* Returns the kind's word in the .mci: "hg2" ... "table". */
 const char *cml_phase_name(enum cml_phase_kind kind);
 
-/* Returns the names of a kind's parameters, ended by NULL. */
-const char *const *cml_phase_numbers(enum cml_phase_kind kind);
-
 /* Completes a table whose deflections and densities, in any scale, the caller has filled in. Scales the
  * densities, fills `below`, which must have room for all rows, and sets the checksum. Returns false if all
  * densities are 0 or their sum overflows. */

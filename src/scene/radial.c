@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* True if all heights of a radial heightfield are equal, so that it is a plane. */
 bool cml_radial_is_flat(const struct cml_radial *radial)
 {
     for (int i = 1; i < radial->n; i++)
@@ -15,7 +14,6 @@ bool cml_radial_is_flat(const struct cml_radial *radial)
     return true;
 }
 
-/* Frees a radial heightfield. */
 void cml_radial_clear(struct cml_radial *radial)
 {
     free(radial->r);
@@ -83,8 +81,7 @@ static int furthest_on_line(const struct cml_radial *radial, int anchor, int n)
     return furthest;
 }
 
-/* Copies a radial heightfield without the samples that lie on a straight line between their neighbours. Goes
- * from the axis outwards and lets each line reach as far as it can. */
+/* Goes from the axis outwards and lets each line reach as far as it can. */
 cml_status cml_radial_merge(const struct cml_radial *from, struct cml_radial *to, struct cml_error *err)
 {
     const int n = count_without_tail(from);

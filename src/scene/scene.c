@@ -10,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Removes the shape of a boundary: its nominal plane remains. Only for a shape that no other scene shares. */
 void cml_boundary_flatten(struct cml_boundary *boundary)
 {
     free(boundary->radial.r);
@@ -24,8 +23,6 @@ void cml_boundary_flatten(struct cml_boundary *boundary)
     boundary->form = CML_FORM_PLANE;
 }
 
-/* Removes all optional outputs from a copy of a scene, so that a flight of it needs little memory. The
- * removed members still belong to the original and must not be freed. */
 void cml_scene_ask_nothing(struct cml_scene *scene)
 {
     scene->map = (struct cml_map_def){0};
@@ -37,7 +34,6 @@ void cml_scene_ask_nothing(struct cml_scene *scene)
     scene->num_detectors = scene->num_groups = 0;
 }
 
-/* Frees the shape of a boundary when its last user goes. Depth and roughness stay. */
 void cml_boundary_clear(struct cml_boundary *boundary)
 {
     const struct cml_boundary kept = {.z = boundary->z, .rough = boundary->rough};
@@ -69,7 +65,6 @@ static void clear_beam(struct cml_beam *beam)
     free(beam->port);
 }
 
-/* Frees all that a scene owns, and zeroes the scene. */
 void cml_scene_clear(struct cml_scene *scene)
 {
     /* A scene that was refused while being read may have its number of layers set, but no boundaries yet. */
@@ -141,8 +136,6 @@ static void copy_texts(const struct cml_scene *from, struct cml_scene *to, bool 
         to->contacts[k].name = copied_text(from->contacts[k].name, failed);
 }
 
-/* Copies a scene so that numbers of the copy can be changed. Shapes, bodies and tables are large and stay
- * shared; texts, media and lists of boundaries, beams and detectors are copied. */
 cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, struct cml_error *err)
 {
     const size_t layers = (size_t)from->num_layers, bodies = (size_t)from->num_bodies,
@@ -169,8 +162,7 @@ cml_status cml_scene_copy(const struct cml_scene *from, struct cml_scene *to, st
     return cml_fail_memory(err, (double)(media * sizeof *to->media), "a scene");
 }
 
-/* Returns the widest angle of a light, rad. The widest angle of a table is the end of its last interval that
- * is not dark. */
+/* The widest angle of a table is the end of its last interval that is not dark. */
 double cml_light_widest(const struct cml_light *light, double medium_n)
 {
     int last = light->rows - 1;
@@ -203,7 +195,6 @@ static int first_body_from(const struct cml_scene *scene, int l)
     return low;
 }
 
-/* True if any beam starts at a depth of its own inside the scene. */
 bool cml_scene_starts_inside(const struct cml_scene *scene)
 {
     for (int k = 0; k < scene->num_beams; k++)
@@ -211,22 +202,19 @@ bool cml_scene_starts_inside(const struct cml_scene *scene)
     return false;
 }
 
-/* Returns the sine of a beam's angle to the vertical: exactly 0 for a beam straight up, which rounding of pi
- * would miss. */
+/* The sine of a rounded pi is not 0. */
 double cml_beam_sine(const struct cml_beam *beam)
 {
     return beam->angle < CML_PI ? sin(beam->angle) : 0;
 }
 
-/* Returns the downward component of a beam's direction: exactly 0 for a level beam, which rounding of pi/2
- * would miss. */
+/* The cosine of a rounded pi / 2 is not 0. */
 double cml_beam_descent(const struct cml_beam *beam)
 {
     return beam->angle == CML_PI / 2 ? 0 : cos(beam->angle);
 }
 
-/* Returns how far the rim of a slanted beam lies above and below its middle, cm. reach: the radius or half
- * width of each shape; of a Gaussian five radii, beyond which few packets start. */
+/* reach: the radius or half width of each shape; of a Gaussian five radii. */
 double cml_beam_height(const struct cml_beam *beam)
 {
     const double reach[] = {
@@ -234,8 +222,6 @@ double cml_beam_height(const struct cml_beam *beam)
     return reach[beam->shape] * fabs(sin(beam->angle));
 }
 
-/* Finds which axis of the scene (0: x, 1: y) a beam's own x and y run along. False if the beam is turned by
- * anything but quarter turns. */
 bool cml_beam_axes(const struct cml_beam *beam, int axis[2])
 {
     const double quarters = beam->azimuth / (CML_PI / 2), whole = round(quarters);
@@ -244,13 +230,11 @@ bool cml_beam_axes(const struct cml_beam *beam, int axis[2])
     return fabs(quarters - whole) < 1e-9;
 }
 
-/* Returns which bodies lie in layer l: bodies are sorted by layer, so they form a range. */
 struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l)
 {
     return (struct cml_body_range){first_body_from(scene, l), first_body_from(scene, l + 1)};
 }
 
-/* True if any body lies in layer l. */
 bool cml_layer_has_bodies(const struct cml_scene *scene, int l)
 {
     const struct cml_body_range range = cml_layer_bodies(scene, l);
@@ -264,8 +248,6 @@ void cml_scene_list_clear(struct cml_scene_list *list)
     *list = (struct cml_scene_list){0};
 }
 
-/* Returns the height of a radial heightfield at radius r, cm: linear between samples, constant beyond the
- * last one. */
 double cml_radial_height(const struct cml_radial *radial, double r)
 {
     const int last = radial->n - 1;
@@ -275,8 +257,6 @@ double cml_radial_height(const struct cml_radial *radial, double r)
     return radial->h[i] + t * (radial->h[i + 1] - radial->h[i]);
 }
 
-/* Returns the angle (rad) at which pictures draw the rim of a beam: the widest angle, or for a table of
- * intensities the last angle with half of the greatest intensity, interpolated between rows. */
 double cml_light_spread(const struct cml_light *light, double medium_n)
 {
     const double *t = light->t, *intensity = light->intensity;
@@ -290,10 +270,9 @@ double cml_light_spread(const struct cml_light *light, double medium_n)
            (t[last + 1] - t[last]) * (intensity[last] - half) / (intensity[last] - intensity[last + 1]);
 }
 
-/* Returns the depth of the plane in which a boundary continues beyond its shape, cm. */
-double cml_outer_depth(const struct cml_boundary *boundary)
+double cml_outer_height(const struct cml_boundary *boundary)
 {
-    if (boundary->form == CML_FORM_RADIAL) return boundary->z - boundary->radial.h[boundary->radial.n - 1];
-    if (boundary->form == CML_FORM_TILE) return boundary->z - boundary->tile_notes.relief.mean;
-    return boundary->z + (boundary->form == CML_FORM_MESH ? boundary->mesh.z_border : 0);
+    if (boundary->form == CML_FORM_RADIAL) return boundary->radial.h[boundary->radial.n - 1];
+    if (boundary->form == CML_FORM_TILE) return boundary->tile_notes.relief.mean;
+    return boundary->form == CML_FORM_MESH ? -boundary->mesh.z_border : 0;
 }

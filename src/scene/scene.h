@@ -362,9 +362,15 @@ double cml_light_widest(const struct cml_light *light, double medium_n);
  * hardly any light is left. */
 double cml_light_spread(const struct cml_light *light, double medium_n);
 
-/* Returns the depth of the plane that continues a boundary outside its shape, for a tile its mean depth;
- * cm. */
-double cml_outer_depth(const struct cml_boundary *boundary);
+/* Returns the height above its nominal depth of the plane that continues a boundary outside its shape, for a
+ * tile its mean height; cm. */
+double cml_outer_height(const struct cml_boundary *boundary);
+
+/* Returns the depth of this plane, cm. */
+static inline double cml_outer_depth(const struct cml_boundary *boundary)
+{
+    return boundary->z - cml_outer_height(boundary);
+}
 
 /* True if any beam starts inside the scene, at its own z, instead of above all surfaces. */
 bool cml_scene_starts_inside(const struct cml_scene *scene);

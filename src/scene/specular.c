@@ -9,9 +9,9 @@ static double normal_reflectance(double n1, double n2)
     return pow((n1 - n2) / (n1 + n2), 2);
 }
 
-/* Computes the specular shares. Light goes up and down in a clear layer many times, and the sum over all
- * passages has a closed form: the share (1 - r1) / (1 - r1 r2) of the light reaches the layer's lower face,
- * which reflects the share r2 of this light upwards. */
+/* Light goes up and down in a clear layer many times, and the sum over all passages has a closed form: the
+ * share (1 - r1) / (1 - r1 r2) of the light reaches the layer's lower face, which reflects the share r2 of
+ * this light upwards. */
 struct cml_specular cml_specular_split(const struct cml_medium_def *media, double n, int num_layers,
                                        bool planes)
 {

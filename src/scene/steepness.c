@@ -78,7 +78,6 @@ static cml_status check_tile(const struct cml_scene *scene, int b, struct cml_er
     return CML_OK;
 }
 
-/* Refuses a scene with a boundary that is steeper than queries can treat with proven bounds of rounding. */
 cml_status cml_scene_check_steepness(const struct cml_scene *scene, struct cml_error *err)
 {
     for (int b = 0; b <= scene->num_layers; b++) {

@@ -4,9 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Computes the weight that packets should have in each cell of a region, from the importance of light there:
- * a whole packet up to importance `start`, less beyond. Targets are whole numbers in units of 2^-31 of a
- * packet. */
 cml_status cml_window_table_create(const double *importance, double start, double power,
                                    struct cml_window_table *to, struct cml_error *err)
 {

@@ -1,6 +1,8 @@
 /* Computes mean depths of boundaries and mean thicknesses of layers. SPDX-License-Identifier: MIT */
 #include "surface/mean_depth.h"
 
+#include "base/constants.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,12 +10,12 @@
  * plane. Between two rings the depth is linear in r. */
 static double cones_volume(const struct cml_radial *radial)
 {
-    const double pi = 3.14159265358979323846, outer = radial->h[radial->n - 1];
+    const double outer = radial->h[radial->n - 1];
     double volume = 0;
     for (int i = 0; i + 1 < radial->n; i++) {
         const double a = radial->r[i], b = radial->r[i + 1], at_a = outer - radial->h[i],
                      at_b = outer - radial->h[i + 1];
-        volume += pi / 3 * (b - a) * (at_a * (2 * a + b) + at_b * (a + 2 * b));
+        volume += CML_PI / 3 * (b - a) * (at_a * (2 * a + b) + at_b * (a + 2 * b));
     }
     return volume;
 }
@@ -48,7 +50,6 @@ static cml_status find_relief(const struct cml_scene *scene, const struct cml_su
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
     const struct cml_surface_def *surface = &set->item[b];
-    const double pi = 3.14159265358979323846;
     *relief = (struct relief){.outer = surface->depth};
     if (surface->kind == CML_SURFACE_PLANE) return CML_OK;
     relief->outer = boundary->z;
@@ -63,14 +64,13 @@ static cml_status find_relief(const struct cml_scene *scene, const struct cml_su
     const double outer = sheet ? boundary->mesh.z_border : -radial->h[radial->n - 1];
     relief->outer += outer;
     if (surface->kind != CML_SURFACE_MESH) {
-        relief->area = pi * radial->r[radial->n - 1] * radial->r[radial->n - 1];
+        relief->area = CML_PI * radial->r[radial->n - 1] * radial->r[radial->n - 1];
         relief->volume = cones_volume(radial);
         return CML_OK;
     }
-    struct cml_mesh mesh;
+    CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
     CML_TRY(cml_boundary_mesh(scene, b, options, &mesh, err));
     add_sheet(&mesh, outer, &relief->area, &relief->volume);
-    cml_mesh_clear(&mesh);
     return CML_OK;
 }
 
@@ -81,7 +81,6 @@ static double depth_over(const struct relief *relief, double area)
     return relief->outer + (relief->area > 0 ? relief->volume / area : 0);
 }
 
-/* Computes the mean depth of boundary b over an area that contains its whole shape, cm. */
 cml_status cml_mean_depth(const struct cml_scene *scene, const struct cml_surface_set *set, int b,
                           const struct cml_surface_options *options, double area, double *depth,
                           struct cml_error *err)
@@ -92,25 +91,6 @@ cml_status cml_mean_depth(const struct cml_scene *scene, const struct cml_surfac
     return CML_OK;
 }
 
-/* Fills the means of all boundaries and layers. A layer's mean is taken over the larger area of its two
- * boundaries. */
-static cml_status measure(const struct cml_scene *scene, const struct cml_surface_set *set,
-                          const struct cml_surface_options *options, struct cml_mean_shapes *mean,
-                          struct cml_error *err)
-{
-    struct relief upper = {0}, lower;
-    for (int b = 0; b <= scene->num_layers; b++, upper = lower) {
-        CML_TRY(find_relief(scene, set, b, options, &lower, err));
-        mean->area[b] = lower.area;
-        mean->height[b] = scene->boundaries[b].z - depth_over(&lower, lower.area);
-        const double area = fmax(upper.endless ? 0 : upper.area, lower.endless ? 0 : lower.area);
-        if (b > 0) mean->thickness[b - 1] = depth_over(&lower, area) - depth_over(&upper, area);
-    }
-    return CML_OK;
-}
-
-/* Computes for every boundary the mean height and the area of its surface, and for every layer the mean
- * thickness. `check` prints them. */
 cml_status cml_mean_shapes(const struct cml_scene *scene, const struct cml_surface_set *set,
                            const struct cml_surface_options *options, struct cml_mean_shapes *mean,
                            struct cml_error *err)
@@ -120,7 +100,15 @@ cml_status cml_mean_shapes(const struct cml_scene *scene, const struct cml_surfa
                                      calloc(n, sizeof(double))};
     if (!mean->height || !mean->area || !mean->thickness)
         return cml_fail_memory(err, 3.0 * (double)(n * sizeof(double)), "mean heights");
-    return measure(scene, set, options, mean, err);
+    struct relief upper = {0}, lower;
+    for (int b = 0; b <= scene->num_layers; b++, upper = lower) {
+        CML_TRY(find_relief(scene, set, b, options, &lower, err));
+        mean->area[b] = lower.area;
+        mean->height[b] = scene->boundaries[b].z - depth_over(&lower, lower.area);
+        const double area = fmax(upper.endless ? 0 : upper.area, lower.endless ? 0 : lower.area);
+        if (b > 0) mean->thickness[b - 1] = depth_over(&lower, area) - depth_over(&upper, area);
+    }
+    return CML_OK;
 }
 
 void cml_mean_shapes_clear(struct cml_mean_shapes *mean)

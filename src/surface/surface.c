@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Returns the word for how a surface is represented. */
 const char *cml_surface_kind_name(enum cml_surface_kind kind)
 {
     static const char *const names[] = {"plane", "cone", "mesh", "auto", "sphere", "cylinder"};
@@ -116,13 +115,10 @@ static cml_status make_tessellated(const struct cml_scene *scene, const struct c
                                    const struct cml_surface_options *options, struct cml_surface_def *def,
                                    struct cml_error *err)
 {
-    struct cml_mesh mesh;
+    CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
     CML_TRY(tessellate(scene, boundary, options, &mesh, err));
-    const cml_status status =
-        make_mesh(&mesh, boundary->z, options, "radial heightfield, tessellated", def, err);
     def->expectation = cml_choice_expect_tessellation(options);
-    cml_mesh_clear(&mesh);
-    return status;
+    return make_mesh(&mesh, boundary->z, options, "radial heightfield, tessellated", def, err);
 }
 
 /* Represents a radial heightfield. In cones that the program chooses, rings on a straight line are merged.
@@ -139,11 +135,9 @@ static cml_status represent_field(const struct cml_scene *scene, const struct cm
     }
     if (options->force == CML_SURFACE_MESH) return make_tessellated(scene, boundary, options, def, err);
     if (options->force == CML_SURFACE_CONE) return make_cones(field, field->n, boundary->z, def, err);
-    struct cml_radial merged;
+    CML_AT_END(cml_radial_clear) struct cml_radial merged = {0};
     CML_TRY(cml_radial_merge(field, &merged, err));
-    const cml_status status = make_cones(&merged, field->n, boundary->z, def, err);
-    cml_radial_clear(&merged);
-    return status;
+    return make_cones(&merged, field->n, boundary->z, def, err);
 }
 
 /* Refuses to represent a mesh or a tile by cones. */
@@ -167,17 +161,15 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
         make_plane(boundary->z + z, "flat mesh", def);
         return CML_OK;
     }
-    struct cml_mesh mesh;
+    CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
     CML_TRY(cml_mesh_copy(&boundary->mesh, &mesh, err));
     char reason[sizeof def->reason] = "mesh";
     const struct cml_heightmap_notes *notes = &boundary->map_notes;
     if (notes->cells > 0)
         snprintf(reason, sizeof reason, "heightmap: %zu of %zu triangles and a skirt", notes->triangles,
                  2 * notes->cells);
-    const cml_status status = make_mesh(&mesh, boundary->z, options, reason, def, err);
     def->expectation = cml_choice_expect_mesh();
-    cml_mesh_clear(&mesh);
-    return status;
+    return make_mesh(&mesh, boundary->z, options, reason, def, err);
 }
 
 /* Makes the searchable mesh of a repeated heightmap: one period and a margin around it, which queries shift
@@ -214,7 +206,7 @@ static cml_status represent_tile(const struct cml_scene *scene, const struct cml
         make_plane(boundary->z - tile->h[0], "flat heightmap", def);
         return CML_OK;
     }
-    struct cml_mesh mesh;
+    CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
     const struct cml_tile_cells cells = cml_tile_patch_cells(tile);
     CML_TRY(cml_tile_patch(tile, &cells, boundary->tile_normals, &mesh, err));
     def->kind = CML_SURFACE_MESH;
@@ -223,9 +215,7 @@ static cml_status represent_tile(const struct cml_scene *scene, const struct cml
     def->lowest = mesh.lower[2];
     def->highest = mesh.upper[2];
     def->expectation = cml_choice_expect_mesh();
-    const cml_status status = make_repeated_mesh(tile, &mesh, options, def, err);
-    cml_mesh_clear(&mesh);
-    return status;
+    return make_repeated_mesh(tile, &mesh, options, def, err);
 }
 
 /* Represents a boundary for queries: as the kind that --boundaries forces, or as the one that suits it
@@ -308,17 +298,13 @@ static cml_status represent_bodies(const struct cml_scene *scene, const struct c
         cml_body_surfaces_share(&options->shared->bodies, &set->bodies);
         return CML_OK;
     }
-    double *depths = malloc((size_t)set->count * sizeof *depths);
+    CML_FREED double *depths = malloc((size_t)set->count * sizeof *depths);
     if (!depths) return cml_fail_memory(err, set->count * (double)sizeof *depths, "depths");
     for (int b = 0; b < set->count; b++) depths[b] = set->item[b].depth;
-    const cml_status status = cml_body_surfaces_create(scene, set->origin.at, depths, tolerance,
-                                                       options->search, &set->bodies, err);
-    free(depths);
-    return status;
+    return cml_body_surfaces_create(scene, set->origin.at, depths, tolerance, options->search, &set->bodies,
+                                    err);
 }
 
-/* Makes for every boundary and every body of the scene the surface that queries search. A boundary that
- * options->shared has too is shared with it. All are freed again after a failure. */
 cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
                                struct cml_surface_set *set, struct cml_error *err)
 {
@@ -348,40 +334,27 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
     return status;
 }
 
-/* Returns the height, above the boundary's nominal depth, of the plane in which the boundary continues
- * outside; for a tile its mean height. cm. */
-static double outer_height(const struct cml_boundary *boundary)
-{
-    if (boundary->form == CML_FORM_MESH) return -boundary->mesh.z_border;
-    if (boundary->form == CML_FORM_TILE) return boundary->tile_notes.relief.mean;
-    return boundary->radial.h[boundary->radial.n - 1];
-}
-
-/* Makes the plane in which a curved boundary continues beyond its border; for a tile the plane at the mean
- * height. */
 void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def)
 {
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE, .rough = boundary->rough};
-    make_plane(boundary->z - outer_height(boundary),
+    make_plane(cml_outer_depth(boundary),
                boundary->form == CML_FORM_MESH   ? "mesh"
                : boundary->form == CML_FORM_TILE ? "heightmap repeated"
                                                  : "radial heightfield",
                def);
 }
 
-/* Makes a boundary of two level rings of cones: a plane that is searched like a heightfield, for trials. The
- * ring's radius of 1 cm is arbitrary. */
+/* The ring's radius of 1 cm is arbitrary. */
 cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, struct cml_surface_def *def,
                                         struct cml_error *err)
 {
-    const double height = outer_height(boundary);
+    const double height = cml_outer_height(boundary);
     double r[] = {0, 1}, h[] = {height, height};
     const struct cml_radial level = {2, r, h};
     *def = (struct cml_surface_def){.kind = CML_SURFACE_CONE, .rough = boundary->rough};
     return make_cones(&level, level.n, boundary->z, def, err);
 }
 
-/* Frees a surface when its last user goes, and leaves the plane z = 0. */
 void cml_surface_clear(struct cml_surface_def *def)
 {
     if (cml_share_end(def->users)) {
@@ -392,7 +365,6 @@ void cml_surface_clear(struct cml_surface_def *def)
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
 }
 
-/* Frees all surfaces of a scene. */
 void cml_surfaces_free(struct cml_surface_set *set)
 {
     for (int b = 0; set->item && b < set->count; b++) cml_surface_clear(&set->item[b]);
@@ -401,7 +373,6 @@ void cml_surfaces_free(struct cml_surface_set *set)
     *set = (struct cml_surface_set){0};
 }
 
-/* True if all boundaries are planes and there are no bodies. */
 bool cml_surfaces_are_planes(const struct cml_surface_set *set)
 {
     if (set->bodies.count > 0) return false;
@@ -410,7 +381,6 @@ bool cml_surfaces_are_planes(const struct cml_surface_set *set)
     return true;
 }
 
-/* True if all boundaries are planes without roughness and there are no bodies. */
 bool cml_surfaces_are_smooth_planes(const struct cml_surface_set *set)
 {
     for (int b = 0; b < set->count; b++)
@@ -425,8 +395,7 @@ static cml_status one_period(const struct cml_heightmap *tile, struct cml_mesh *
     return cml_tile_sheet(tile, &cells, CML_NORMALS_FACET, mesh, err);
 }
 
-/* Makes the mesh to show for boundary b. A heightfield of equal heights has a mesh, too; a heightfield of one
- * sample and a plane have none. */
+/* A heightfield of equal heights has a mesh, too; a heightfield of one sample and a plane have none. */
 cml_status cml_boundary_mesh(const struct cml_scene *scene, int b, const struct cml_surface_options *options,
                              struct cml_mesh *mesh, struct cml_error *err)
 {

@@ -22,8 +22,6 @@ static double bias_per_deviation(const struct cml_tessellation *tessellation)
 #define RING_NS 0.02
 #define MESH_NS 436.0
 
-/* Returns how finely a radial heightfield becomes a mesh: the deviation that keeps the relative bias within
- * --tolerance. */
 struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options *options)
 {
     struct cml_tessellation tessellation = options->tessellation;
@@ -32,20 +30,16 @@ struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options
     return tessellation;
 }
 
-/* Estimates the time of a query of a mesh, ns. */
 struct cml_expectation cml_choice_expect_mesh(void)
 {
     return (struct cml_expectation){.query_ns = MESH_NS};
 }
 
-/* Estimates the time of a query of a boundary made of cones, ns: it grows with the number of rings. */
 struct cml_expectation cml_choice_expect_cones(int rings)
 {
     return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * rings};
 }
 
-/* Estimates accuracy and speed of a mesh made from a radial heightfield. `deviation`: the farthest that the
- * mesh strays, cm; `bias`: the resulting relative bias, unknown with normals at vertices. */
 struct cml_expectation cml_choice_expect_tessellation(const struct cml_surface_options *options)
 {
     const struct cml_tessellation tessellation = cml_choice_tessellation(options);

@@ -298,8 +298,8 @@ static void find_nearest(const struct cml_scene *scene, struct range range, doub
     for (int k = 0; k < 2; k++) at[k] = fmin(fmax(at[k], range.low[k]), range.high[k]);
 }
 
-/* Finds the origin of x and y. An origin far from x = y = 0 is rounded to single precision, so that host and
- * devices have the same number. */
+/* An origin far from x = y = 0 is rounded to single precision, so that host and devices have the same number.
+ * */
 cml_status cml_surface_origin(const struct cml_scene *scene, struct cml_origin *origin, struct cml_error *err)
 {
     struct requirements parts = {.scene = scene, .range = anywhere, .distance = INFINITY, .flight = INFINITY};

@@ -173,21 +173,18 @@ static void put_triangle(const struct rings *rings, int ring, size_t a, size_t b
                          struct cml_mesh *mesh)
 {
     const struct cml_radial *radial = rings->radial;
-    uint32_t *triangle = mesh->triangle[mesh->num_triangles];
-    triangle[0] = (uint32_t)a;
-    triangle[1] = (uint32_t)c;
-    triangle[2] = (uint32_t)b;
     if (mesh->slope)
         mesh->slope[mesh->num_triangles] =
             (radial->h[ring - 1] - radial->h[ring]) / (radial->r[ring] - radial->r[ring - 1]);
-    mesh->num_triangles++;
+    cml_mesh_add_triangle(mesh, a, c, b);
 }
 
 /* Fills the disk between the tip and the first ring. */
 static void put_tip(const struct rings *rings, struct cml_mesh *mesh)
 {
     const size_t segments = (size_t)rings->segments[1], first = rings->first[1];
-    mesh->vertex[0][2] = 0.0 - rings->radial->h[0];
+    const double tip[3] = {0, 0, 0.0 - rings->radial->h[0]};
+    memcpy(mesh->vertex[0], tip, sizeof tip);
     for (size_t k = 0; k < segments; k++)
         put_triangle(rings, 1, 0, first + k, first + (k + 1) % segments, mesh);
 }
@@ -229,14 +226,11 @@ static void number_vertices(const struct rings *rings, struct cml_mesh *mesh)
 /* Allocates the mesh's arrays for the given number of triangles. Returns CML_E_INPUT if memory runs out. */
 static cml_status allocate(struct cml_mesh *mesh, size_t triangles, struct cml_error *err)
 {
-    const size_t vertex_bytes = mesh->num_vertices * sizeof *mesh->vertex;
-    const size_t triangle_bytes = triangles * sizeof *mesh->triangle;
-    mesh->vertex = calloc(1, vertex_bytes);
-    mesh->triangle = malloc(triangle_bytes);
-    if (mesh->normals == CML_NORMALS_ANALYTIC) mesh->slope = malloc(triangles * sizeof *mesh->slope);
-    if (mesh->vertex && mesh->triangle && (mesh->slope || mesh->normals != CML_NORMALS_ANALYTIC))
-        return CML_OK;
-    return cml_fail_memory(err, (double)(vertex_bytes + triangle_bytes), "the mesh of a radial heightfield");
+    const char what[] = "the mesh of a radial heightfield";
+    CML_TRY(cml_mesh_allocate(mesh, mesh->num_vertices, triangles, what, err));
+    if (mesh->normals != CML_NORMALS_ANALYTIC) return CML_OK;
+    mesh->slope = malloc(triangles * sizeof *mesh->slope);
+    return mesh->slope ? CML_OK : cml_fail_memory(err, (double)(triangles * sizeof *mesh->slope), what);
 }
 
 /* Fills the mesh with the vertices of all rings and the triangles of all strips. */
@@ -278,8 +272,6 @@ static cml_status check_options(const struct cml_radial *radial, const struct cm
     return CML_OK;
 }
 
-/* Makes a mesh of a radial heightfield, as fine as the tolerance asks for. The vertices lie on rings around
- * the axis. */
 cml_status cml_tessellate(const struct cml_radial *radial, const struct cml_tessellation *options,
                           const struct cml_mesh_budget *budget, struct cml_mesh *mesh, struct cml_error *err)
 {

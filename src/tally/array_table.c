@@ -30,8 +30,6 @@ static const enum cml_array
                      _(detector_t), _(moments), _(A_t), _(A_z)},
     of_row_grids[] = {_(Rd_ra), _(Tt_ra), _(A_rz), _(Rd_dir), _(Tt_dir), _(Rd_rt), _(Tt_rt)};
 
-/* Returns which arrays a holder (a thread's tally, a result, profiles, or a row of a sweep) contains, in the
- * order in which they lie in its memory. */
 struct cml_array_order cml_order_of(enum cml_holder holder)
 {
 #define ORDER(list) {sizeof list / sizeof *list, list}
@@ -55,8 +53,6 @@ static size_t pixels_of(const struct cml_tally_grid *grid)
     return (size_t)grid->nx * (size_t)grid->ny;
 }
 
-/* Returns the number of bins of an axis for this grid and holder, with extra cells before and behind the
- * bins. An axis that the grid does not have gets no bins. */
 struct cml_extent cml_extent_of(const struct cml_tally_grid *grid, enum cml_cell_axis axis,
                                 enum cml_holder holder)
 {
@@ -170,9 +166,7 @@ static int num_together(const struct cml_array_order *order, int first)
     return n;
 }
 
-/* Returns where in memory each array of a tally or a result begins. They lie one behind the other in the
- * holder's order. Arrays that are stored together (num_together) alternate: one part of each, then the next
- * part of each. */
+/* Arrays that are stored together (num_together) alternate: one part of each, then the next part of each. */
 struct cml_layout cml_layout_of(const struct cml_tally_grid *grid, enum cml_holder holder)
 {
     const struct cml_array_order order = cml_order_of(holder);

@@ -19,12 +19,12 @@ static int compare_remainders(const void *a, const void *b)
     return (x->beam > y->beam) - (x->beam < y->beam);
 }
 
-/* Divides photons among beams by their shares: each beam gets the whole part of its quota, then one photon
- * each goes to the beams with the largest remainders. */
+/* Each beam gets the whole part of its quota, then one photon each goes to the beams with the largest
+ * remainders. */
 cml_status cml_deal_numbers(const double *share, int count, uint64_t photons, uint64_t *number,
                             struct cml_error *err)
 {
-    struct remainder *remainder = malloc((size_t)count * sizeof *remainder);
+    CML_FREED struct remainder *remainder = malloc((size_t)count * sizeof *remainder);
     long double sum = 0;
     uint64_t left = photons;
     if (!remainder) return cml_fail_memory(err, count * (double)sizeof *remainder, "the beams");
@@ -37,12 +37,9 @@ cml_status cml_deal_numbers(const double *share, int count, uint64_t photons, ui
     }
     qsort(remainder, (size_t)count, sizeof *remainder, compare_remainders);
     for (int k = 0; left > 0; k = (k + 1) % count, left--) number[remainder[k].beam]++;
-    free(remainder);
     return CML_OK;
 }
 
-/* Prepares the dealing of photons to `count` beams by their shares. `before` and `after` will count each
- * beam's photons before and after a piece. One beam needs no counts. */
 cml_status cml_deal_create(const double *share, int count, struct cml_deal *deal, struct cml_error *err)
 {
     *deal = (struct cml_deal){.count = count, .share = share};
@@ -82,7 +79,6 @@ static uint64_t of_beam(const uint64_t *sums, int k, uint64_t batch)
     return in_batch(sums[k + 1], batch) - in_batch(sums[k], batch);
 }
 
-/* Computes the running sums of photons over the beams at the beginning and at the end of the round. */
 cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end, struct cml_error *err)
 {
     deal->begin = begin;
@@ -100,8 +96,7 @@ cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end, s
     return CML_OK;
 }
 
-/* True if a photon belongs to the current round of the run or an earlier one, so that it has been or will be
- * flown. The upper bits of its number name the beam, the rest count the beam's own photons. */
+/* The upper bits of a photon's number name the beam, the rest count the beam's own photons. */
 bool cml_deal_has(const struct cml_deal *deal, uint64_t photon)
 {
     const uint64_t beam = photon >> CML_SOURCE_SHIFT, own = photon - (beam << CML_SOURCE_SHIFT);
@@ -110,8 +105,7 @@ bool cml_deal_has(const struct cml_deal *deal, uint64_t photon)
            own / CML_NUM_BATCHES < of_beam(deal->after, (int)beam, own % CML_NUM_BATCHES);
 }
 
-/* Returns the photons that belong to a turn of the run: the beam and its photons in the turn's batch. A
- * piece ends with the beam's photons in the batch, or at a multiple of 2^32 points, where the lattice gets
+/* A piece ends with the beam's photons in the batch, or at a multiple of 2^32 points, where the lattice gets
  * new shifts (`sheet`: one such range of points). */
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t turn)
 {

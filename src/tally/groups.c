@@ -9,9 +9,8 @@ static struct cml_once once_of(size_t cells, bool by_group)
     return (struct cml_once){by_group ? cells : 0, cells};
 }
 
-/* Decides which arrays keep a copy for each group of batches, from whose spread standard errors come. Arrays
- * of at most `most` cells do; larger ones would need too much memory. voxel_step and facet_step are the
- * distance from one copy to the next, or 0 for a single copy. */
+/* Arrays of at most `most` cells have a copy for each group of batches; larger ones would need too much
+ * memory. A step of 0 means a single copy. */
 void cml_tally_set_groups(struct cml_tally_grid *grid)
 {
     const struct cml_layout of = cml_layout_of(grid, CML_OF_TALLY);

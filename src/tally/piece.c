@@ -14,9 +14,8 @@ static uint64_t turn_of(uint64_t begin, uint64_t end, uint64_t batch)
     return begin + in_batches_below(end, batch) - in_batches_below(begin, batch);
 }
 
-/* Returns the piece that begins at a turn: its batch, and the photons from there on. A piece ends before the
- * next multiple of 2^32 points of the batch, where the lattice gets new shifts (`sheet`: one such range of
- * points). */
+/* A piece ends before the next multiple of 2^32 points of the batch, where the lattice gets new shifts
+ * (`sheet`: one such range of points). */
 struct cml_piece cml_piece_at(uint64_t begin, uint64_t end, uint64_t turn)
 {
     uint64_t batch = 0;

@@ -5,8 +5,7 @@
 
 #include <stdlib.h>
 
-/* Appends the range. Neighbouring ranges are not joined, because ranks return few ranges, and taking turns
- * needs no order. */
+/* Neighbouring ranges are not joined, because ranks return few ranges, and taking turns needs no order. */
 cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range, struct cml_error *err)
 {
     if (range.count == 0) return CML_OK;
@@ -32,26 +31,22 @@ static cml_status add_between(struct cml_ranges *ranges, struct cml_range range,
     return from < to ? cml_ranges_add(ranges, (struct cml_range){from, to - from}, err) : CML_OK;
 }
 
-/* Keeps the photons in the range `mine`, and moves the rest to `others`. Each range is cut into what lies
- * before, within and behind `mine`. */
+/* Each range is cut into what lies before, within and behind `mine`. */
 cml_status cml_ranges_keep(struct cml_ranges *ranges, struct cml_range mine, struct cml_ranges *others,
                            struct cml_error *err)
 {
-    struct cml_ranges all = *ranges;
+    CML_AT_END(cml_ranges_clear) struct cml_ranges all = *ranges;
     const uint64_t behind = mine.first + mine.count;
-    cml_status status = CML_OK;
     *ranges = (struct cml_ranges){0};
-    for (size_t i = 0; status == CML_OK && i < all.count; i++) {
-        status = add_between(ranges, all.item[i], mine.first, behind, err);
-        if (status == CML_OK) status = add_between(others, all.item[i], 0, mine.first, err);
-        if (status == CML_OK) status = add_between(others, all.item[i], behind, UINT64_MAX, err);
+    for (size_t i = 0; i < all.count; i++) {
+        CML_TRY(add_between(ranges, all.item[i], mine.first, behind, err));
+        CML_TRY(add_between(others, all.item[i], 0, mine.first, err));
+        CML_TRY(add_between(others, all.item[i], behind, UINT64_MAX, err));
     }
-    cml_ranges_clear(&all);
-    return status;
+    return CML_OK;
 }
 
-/* Takes up to `most` photons out of a set of ranges: from the last range, so that no other range has to
- * move. */
+/* Turns come from the last range, so that no other range has to move. */
 struct cml_range cml_ranges_take(struct cml_ranges *ranges, uint64_t most)
 {
     if (ranges->count == 0) return (struct cml_range){0};

@@ -11,8 +11,7 @@ double cml_result_bytes(const struct cml_tally_grid *grid)
            cml_saved_bytes(&grid->saved);
 }
 
-/* Makes a result of zeros. All arrays lie in one block, so that a checkpoint or a sum over ranks is one
- * loop over cells. */
+/* All arrays lie in one block, so that a checkpoint or a sum over ranks is one loop over cells. */
 cml_status cml_result_create(const struct cml_tally_grid *grid, uint64_t photons, struct cml_result *result,
                              struct cml_error *err)
 {
@@ -63,10 +62,9 @@ static cml_u128 add_line(const struct cml_cell_source *from, size_t first, size_
     return sum;
 }
 
-/* Adds the cells of an array row by row. Rows have no extra cell before the first bin, and rows and columns
- * have at most one behind the last. The only axis of a 1D array is that of columns. Arrays over radius alone
- * are margins of grids. The grids' cells beyond the bins already count in the balance, so those of margins do
- * not. */
+/* Rows have no extra cell before the first bin, and rows and columns have at most one behind the last. The
+ * only axis of a 1D array is that of columns. Arrays over radius alone are margins of grids. The grids' cells
+ * beyond the bins already count in the balance, so those of margins do not. */
 void cml_result_add_cells(struct cml_result *result, enum cml_array array, size_t part,
                           const struct cml_cell_source *from)
 {
@@ -142,8 +140,6 @@ static void add_to_batch(struct cml_result *result, int batch, const struct cml_
     add_expected(result, b, sums + at->expected);
 }
 
-/* Adds the totals and profiles of one batch to the result, and those of packets that ended after their batch
- * to the batches they belong to. */
 void cml_result_add_batch(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
     const struct cml_late *late = &tally->late;
@@ -194,8 +190,7 @@ static void add_grid(struct cml_result *result, enum cml_array array, const stru
         cml_result_add_cells(result, array, g, &from);
 }
 
-/* Adds a tally of one piece of work to the result, except its totals and profiles, which batches keep. Large
- * maps are mostly zero, so add_sparse adds only their nonzero cells. */
+/* Large maps are mostly zero, so add_sparse adds only their nonzero cells. */
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     const struct cml_layout *own = &tally->layout;
@@ -287,8 +282,6 @@ static double array_imbalance(const struct cml_result *result, enum cml_array ar
     return difference(sum, result->summary.balance[info->term]);
 }
 
-/* Returns by how much the weight of all packets does not balance, in units of 2^-31 packets. All sums are
- * integers, so any difference is a fault; the first one is reported. */
 double cml_result_imbalance(const struct cml_result *result)
 {
     const cml_u128 *balance = result->summary.balance;
@@ -347,23 +340,19 @@ double cml_result_absorbed_error(const struct cml_result *result, int medium)
 const enum cml_total cml_goals[CML_NUM_GOALS] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED,
                                                  CML_TOTAL_TRANSMITTED};
 
-/* Returns the relative standard error of a total; infinite while the total or its error is 0. */
 double cml_result_relative_error(const struct cml_result *result, enum cml_total total)
 {
     const double value = cml_result_total(result, total), error = cml_result_error(result, total);
     return value > 0 && error > 0 ? error / value : INFINITY;
 }
 
-/* Returns how many times as many photons would reach the relative error `error`, since errors fall with the
- * square root of the photons. */
 double cml_result_times_to(const struct cml_result *result, enum cml_total total, double error)
 {
     const double times = cml_result_relative_error(result, total) / error;
     return times * times;
 }
 
-/* Returns the standard error from the sum and the sum of squares of packets' weights. The sum is converted
- * to the unit of the squares, which is coarser so that squares fit into 64 bits. */
+/* The sum is converted to the unit of the squares, which is coarser so that squares fit into 64 bits. */
 double cml_result_square_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
 {
     const long double n = (long double)result->summary.count[CML_COUNT_PHOTONS];
@@ -371,7 +360,6 @@ double cml_result_square_error(const struct cml_result *result, cml_u128 sum, cm
     return error_of_mean(n, (long double)sum * per_square_unit, (long double)squares) * CML_SQUARE_UNIT;
 }
 
-/* Returns the sum of bin i of a profile over all batches; `profile` has n bins for each batch. */
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i)
 {
     cml_u128 sum = 0;
@@ -405,7 +393,6 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
     return error_by_groups(result, CML_NUM_BATCHES, profile + i, (size_t)n);
 }
 
-/* Returns the sum of cell i of an array over all its copies, in units of weight. */
 double cml_result_sum(const struct cml_result *result, enum cml_array array, size_t i)
 {
     const size_t step = result->layout.once[array].step;
@@ -413,8 +400,6 @@ double cml_result_sum(const struct cml_result *result, enum cml_array array, siz
     return cml_result_cell_sum(result->array[array] + i, parts, step);
 }
 
-/* Returns the standard error of cell i of an array: from the spread of groups of batches if the array is
- * kept by group (parts > 1, step > 0), or from sums of squares. NaN if neither is kept. */
 double cml_result_sum_error(const struct cml_result *result, enum cml_array array, size_t i)
 {
     const struct cml_once once = result->layout.once[array];
@@ -425,7 +410,6 @@ double cml_result_sum_error(const struct cml_result *result, enum cml_array arra
     return error_by_groups(result, parts, cell, once.step);
 }
 
-/* Returns the sum of a cell over its copies in groups, which lie `step` cells apart. */
 double cml_result_cell_sum(const cml_u128 *cell, int groups, size_t step)
 {
     cml_u128 sum = 0;
@@ -438,7 +422,6 @@ double cml_result_cell_error(const struct cml_result *result, const cml_u128 *ce
     return error_by_groups(result, CML_NUM_GROUPS, cell, step);
 }
 
-/* Returns the sum of `count` neighbouring cells over all groups. */
 double cml_result_once_sum(const cml_u128 *cells, size_t count, struct cml_once once)
 {
     cml_u128 sum = 0;
@@ -446,8 +429,6 @@ double cml_result_once_sum(const cml_u128 *cells, size_t count, struct cml_once 
     return as_number(sum);
 }
 
-/* Returns the standard error of the sum of `count` cells. `once` tells how the cells are kept: as one sum
- * per group, `step` cells apart, or as one sum and a sum of squares. */
 double cml_result_once_error(const struct cml_result *result, const cml_u128 *cells, size_t count,
                              struct cml_once once)
 {
@@ -458,8 +439,7 @@ double cml_result_once_error(const struct cml_result *result, const cml_u128 *ce
     return cml_result_cell_error(result, group, 1);
 }
 
-/* Returns the number of lost packets: the sum over all causes of loss, which are neighbours in enum
- * cml_count. */
+/* All causes of loss are neighbours in enum cml_count. */
 uint64_t cml_result_lost(const struct cml_result *result)
 {
     cml_u128 lost = 0;
@@ -467,7 +447,6 @@ uint64_t cml_result_lost(const struct cml_result *result)
     return (uint64_t)lost;
 }
 
-/* Returns the number of interactions and boundary events of all packets, a measure of the work done. */
 double cml_result_steps(const struct cml_result *result)
 {
     const cml_u128 *count = result->summary.count;

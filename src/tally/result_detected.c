@@ -18,8 +18,7 @@ void cml_result_expected(const struct cml_result *result, int score, double *val
     *error = cml_result_sum_error(result, CML_ARRAY_expected, (size_t)score) * CML_EXPECTED_UNIT;
 }
 
-/* Gives value and standard error of the absorption of a layer: the expected value if the layer has a score,
- * otherwise the counted one. The last layers of a scene have scores. */
+/* The last layers of a scene have scores. */
 void cml_result_expected_layer(const struct cml_result *result, int layer, double *value, double *error)
 {
     const int score = layer - (result->grid.num_layers + 1 - result->grid.scores);
@@ -31,9 +30,8 @@ void cml_result_expected_layer(const struct cml_result *result, int layer, doubl
     *error = cml_result_absorbed_error(result, layer);
 }
 
-/* Returns the mean of a moment over the packets that detector k has seen, weighted by weight: R = sum X /
- * sum Y. Its standard error comes from the batches, which differ from R by (X_b - R Y_b) / sum Y [Cochran,
- * Sampling Techniques, section 6.3]. moment: bin i of a profile with n bins for each batch. */
+/* The mean is R = sum X / sum Y. Its standard error comes from the batches, which differ from R by (X_b - R
+ * Y_b) / sum Y [Cochran, Sampling Techniques, section 6.3]. */
 double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, int n, int i, int k,
                        double *error)
 {

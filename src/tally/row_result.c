@@ -160,8 +160,7 @@ static cml_status take_batches(const struct row *row, struct cml_error *err)
     return CML_OK;
 }
 
-/* Makes the result of row `number` of a sweep from the flight that several rows share. In the memory of a
- * row, arrays by batch stand first, and grids that are kept by group follow. */
+/* In the memory of a row, arrays by batch stand first, and grids that are kept by group follow. */
 cml_status cml_row_result(const struct cml_result *flight, int number, struct cml_result *to,
                           struct cml_error *err)
 {
@@ -194,8 +193,7 @@ double cml_effective_packets(const struct cml_result *result, enum cml_total tot
     return effective_packets(result, cml_result_relative_error(result, total));
 }
 
-/* Returns how many packets of equal weight would give the same relative error of the absorption. Few
- * effective packets warn that a few heavy packets carry the result. */
+/* Few effective packets warn that a few heavy packets carry the result. */
 double cml_effective_packets_by_depth(const struct cml_result *result)
 {
     const size_t nz = (size_t)result->grid.nz;

@@ -39,7 +39,6 @@ static size_t capacity_of(const struct cml_saved_kind *kind)
     return kind->limit + kind->limit / 4 + 1024;
 }
 
-/* Returns the memory of saved packets in bytes: a row and a sort key for each packet. */
 double cml_saved_bytes(const struct cml_saved_kind *kind)
 {
     return kind->limit
@@ -47,8 +46,6 @@ double cml_saved_bytes(const struct cml_saved_kind *kind)
                : 0;
 }
 
-/* Allocates the store of saved packets; NULL if none are to be saved. It has room for more rows than the
- * limit, so that surplus rows need not be dropped one by one. */
 cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved **saved,
                             struct cml_error *err)
 {
@@ -65,9 +62,7 @@ cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved 
     made->row = calloc(made->capacity + 1, made->words * sizeof *made->row);
     made->key = calloc(made->capacity, sizeof *made->key);
     if (!made->row || !made->key) {
-        free(made->row);
-        free(made->key);
-        free(made);
+        cml_saved_free(made);
         return cml_fail_memory(err, cml_saved_bytes(kind), "saved photons");
     }
     *saved = made;
@@ -180,9 +175,8 @@ static void arrange(struct cml_saved *saved, bool by_index)
     move_rows(saved);
 }
 
-/* Sorts the kept packets and cuts them to the limit. If more were found than may stay, the packets with the
- * lowest order numbers stay, and `last` becomes the highest of these. Returns how many were found and
- * kept. */
+/* If more were found than may stay, the packets with the lowest order numbers stay, and `last` becomes the
+ * highest of these. */
 struct cml_saved_sums cml_saved_sort(struct cml_saved *saved)
 {
     if (saved->count >= saved->limit) {
@@ -196,8 +190,7 @@ struct cml_saved_sums cml_saved_sort(struct cml_saved *saved)
 
 /* ---- adding ---- */
 
-/* Adds `count` found packets. A row is the packet's index and its values. Packets behind the last one that
- * can stay are counted, not kept. */
+/* Packets behind the last one that can stay are counted, not kept. */
 void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count)
 {
     const uint64_t *from = rows;
@@ -209,7 +202,7 @@ void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count)
     }
 }
 
-/* True if a run of so many photons can contain a packet of this index; the upper bits name the beam. */
+/* The upper bits of an index name the beam. */
 bool cml_saved_may_have(const struct cml_saved *saved, uint64_t index, uint64_t photons)
 {
     const uint64_t beam = index >> CML_SOURCE_SHIFT;
@@ -226,8 +219,8 @@ size_t cml_saved_media(const struct cml_saved *saved)
     return saved->media;
 }
 
-/* Returns for how many launched photons the saved packets are complete: all if no packet was dropped,
- * otherwise those whose order number is at most that of the last kept packet. */
+/* If packets were dropped, the photons are covered whose order number is at most that of the last kept
+ * packet. */
 uint64_t cml_saved_covers(const struct cml_saved *saved, const struct cml_deal *run)
 {
     struct cml_piece piece;
@@ -256,7 +249,6 @@ void cml_saved_add_found(struct cml_saved *saved, uint64_t more)
 
 /* ---- a thread's ---- */
 
-/* Allocates a thread's buffer: as many rows as fit into PART_WORDS words, at least one. */
 cml_status cml_saved_part_create(const struct cml_saved_kind *kind, struct cml_saved_part **part,
                                  struct cml_error *err)
 {
@@ -273,7 +265,6 @@ cml_status cml_saved_part_create(const struct cml_saved_kind *kind, struct cml_s
     return CML_OK;
 }
 
-/* Passes the rows that a thread has collected to the receiver and empties the thread's buffer. */
 void cml_saved_hand_in(struct cml_saved_part *part)
 {
     if (!part) return;
@@ -281,7 +272,6 @@ void cml_saved_hand_in(struct cml_saved_part *part)
     part->count = 0;
 }
 
-/* Returns the next free row of a thread's buffer; a full buffer is passed on first. */
 struct cml_saved_row *cml_saved_next(struct cml_saved_part *part)
 {
     if (part->count == part->capacity) cml_saved_hand_in(part);

@@ -15,9 +15,8 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
     return terms[total];
 }
 
-/* Returns the grid of a thread's own tally: the grid of the run, without arrays that are too large for each
- * thread to have. A thread has all of A_rz or none of it. With a part of it, each deposit would have to find
- * out where its cell is. */
+/* A thread has all of A_rz or none of it. With a part of it, each deposit would have to find out where its
+ * cell is. */
 struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid)
 {
     struct cml_tally_grid small = *grid;
@@ -29,7 +28,6 @@ struct cml_tally_grid cml_tally_grid_of_thread(const struct cml_tally_grid *grid
     return small;
 }
 
-/* True if a thread's own tally lacks large arrays (A_rz or fluence), which all threads then share. */
 bool cml_tally_grid_is_shared(const struct cml_tally_grid *grid)
 {
     const struct cml_tally_grid small = cml_tally_grid_of_thread(grid);
@@ -53,8 +51,6 @@ size_t cml_tally_profile_bins(const struct cml_tally_grid *grid)
     return cml_layout_of(grid, CML_OF_PROFILES).cells;
 }
 
-/* Returns the memory of one thread's tally in bytes. Among the profiles only those of detectors are counted,
- * because only they can be many. */
 double cml_tally_bytes(const struct cml_tally_grid *grid)
 {
     /* Number of sets of profiles in a tally: the current sums, the sums before the current batch, and one row
@@ -91,8 +87,7 @@ static void prefer_large_pages(void *block, size_t bytes)
 #endif
 }
 
-/* Makes an empty tally for this grid. All its arrays lie in one block, so that adding and clearing are one
- * loop. */
+/* All arrays lie in one block, so that adding and clearing are one loop. */
 cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally *tally, struct cml_error *err)
 {
     *tally = (struct cml_tally){.grid = *grid,
@@ -118,8 +113,7 @@ cml_status cml_tally_create(const struct cml_tally_grid *grid, struct cml_tally 
     return status;
 }
 
-/* Lets a thread's tally score into the owner's arrays where it has none of its own. A pointer stays NULL if
- * the owner lacks the array, too. */
+/* A pointer stays NULL if the owner lacks the array, too. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 {
     for (int i = 0; i < CML_NUM_ARRAYS; i++) {
@@ -129,8 +123,7 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
     }
 }
 
-/* Sets the tally's own sums to zero. Borrowed arrays stay as they are, because other threads score into
- * them meanwhile. */
+/* Other threads score into borrowed arrays meanwhile. */
 void cml_tally_zero(struct cml_tally *tally)
 {
     memset(tally->cells, 0, tally->layout.cells * sizeof *tally->cells);
@@ -149,8 +142,7 @@ void cml_tally_free(struct cml_tally *tally)
     *tally = (struct cml_tally){0};
 }
 
-/* Inserts an index into a short sorted list. The list keeps the smallest indices, so that it does not depend
- * on the order in which threads and ranks report. */
+/* Keeping the smallest indices makes the list independent of the order in which threads and ranks report. */
 void cml_lost_list_add(struct cml_lost_list *list, uint64_t index)
 {
     int k = list->count;
@@ -171,8 +163,7 @@ static void add_cells(uint64_t *to, const uint64_t *from, size_t n)
     for (size_t i = 0; i < n; i++) to[i] += from[i];
 }
 
-/* Adds the sums of one tally to another and sets the first to zero. The tallies may differ in A_z and in
- * arrays that only one has, so each array is added by its own place. */
+/* The tallies may differ in A_z and in arrays that only one has, so each array is added by its own place. */
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 {
     const struct cml_layout *own = &from->layout;
@@ -188,9 +179,7 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
     cml_tally_zero(from);
 }
 
-/* Returns the row of profiles for packets that end after their batch was closed. A batch's first late packet
- * gets a new row. Old entries of row_of are never cleared: an entry is valid only if its row names the
- * batch. */
+/* A batch's first late packet gets a new row. */
 uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
 {
     struct cml_late *late = &tally->late;
@@ -202,8 +191,7 @@ uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
     return late->rows + (size_t)late->row_of[batch] * tally->profile.cells;
 }
 
-/* Sets the rows of late packets in use to zero, and forgets them. Rows are taken from the first one on, so
- * memory of rows that are never needed is never touched. */
+/* Rows are taken from the first one on, so memory of rows that are never needed is never touched. */
 void cml_tally_drop_late(struct cml_tally *tally)
 {
     const size_t cells = (size_t)tally->late.count * tally->profile.cells;
@@ -280,9 +268,8 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
     memcpy(sums + at->A_l, tally->A_l, (at->cells - at->A_l) * sizeof *sums);
 }
 
-/* Computes the batch's share of the totals and profiles: the difference of the present sums to the last
- * ones. A tally goes on from batch to batch, and is summed anew each time, because its profiles are much
- * shorter than its grids. */
+/* A tally goes on from batch to batch, and is summed anew each time, because its profiles are much shorter
+ * than its grids. */
 void cml_tally_sum_batch(struct cml_tally *tally, int batch)
 {
     const size_t bins = tally->profile.cells;

@@ -22,8 +22,6 @@ static bool expected_settled(const struct cml_result *result, double target)
     return all;
 }
 
-/* Returns the relative standard error of what --target-error names: layer `of` if of > 0, otherwise detector
- * number -of - 1. Infinite while nothing has arrived. */
 double cml_target_error_of(const struct cml_result *result, int of)
 {
     double value, error;
@@ -34,9 +32,7 @@ double cml_target_error_of(const struct cml_result *result, int of)
     return value > 0 && error > 0 ? error / value : INFINITY;
 }
 
-/* True if the relative errors are at most `target`: that of the named layer or detector, or those of Rd, A
- * and Tt if none is named (`of` is 0). If the scene has expected values, these take the place of Tt. Too few
- * photons leave the error itself unknown, so the run goes on. */
+/* Too few photons leave the error itself unknown, so the run goes on. */
 bool cml_target_met(const struct cml_result *result, double target, int of)
 {
     if (result->photons < CML_TARGET_LEAST_PHOTONS) return false;

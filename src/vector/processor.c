@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "vector/processor.h"
 
-/* Returns the x86-64 level of this processor: 4 with AVX-512, 3 with AVX2, else 0. The vector loops are
- * compiled once for each level, and the highest one that the processor runs is used. */
 int cml_processor_level(void)
 {
 #ifdef CML_X86_LEVELS

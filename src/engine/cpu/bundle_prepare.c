@@ -65,8 +65,7 @@ static real cml_reflectance_at(const struct cml_world *world, const struct cml_p
     return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);
 }
 
-/* Finds where all packets of a pencil beam first meet a boundary, so that each need not search for it. The
- * hit is not known if the medium above scatters or absorbs: packets then have no common path. */
+/* The hit is not known if the medium above scatters or absorbs: packets then have no common path. */
 void cml_find_first_hit(struct cml_flight *f)
 {
     struct cml_packet packet = f->start;
@@ -80,9 +79,7 @@ void cml_find_first_hit(struct cml_flight *f)
     f->enters = cml_transmit_like(f->world, &f->start, &f->first_hit, &f->inside);
 }
 
-/* Finds how packets whose places are drawn in the queue enter the first layer through a plane, all in the
- * same way, so that vector loops take them through. If paths, visits or expected values are counted, lanes
- * cross the plane by themselves. */
+/* If paths, visits or expected values are counted, lanes cross the plane by themselves. */
 void cml_find_entry(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
@@ -98,8 +95,7 @@ void cml_find_entry(struct cml_flight *f)
                 cml_transmit_like(world, &packet, &hit, &f->inside);
 }
 
-/* Finds out once what packets meet that all begin alike below a mesh (a pencil beam), so that most of them
- * need no search: `known` holds the start, and the lengths of path with the same answer. */
+/* All packets of a pencil beam begin alike below the mesh, so most of them then need no search. */
 void cml_find_known_path(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
@@ -119,9 +115,9 @@ void cml_find_known_path(struct cml_flight *f)
     f->world = &f->aware;
 }
 
-/* Finds out if there are ballistic packets: packets that start alike, do not interact in their first medium,
- * and end at the plane behind it. They can be counted instead of flown, unless each must be scored by itself
- * (maps, facets, expected values, fluence, rows). */
+/* Ballistic packets start alike, do not interact in their first medium, and end at the plane behind it. They
+ * can be counted instead of flown, unless each must be scored by itself (maps, facets, expected values,
+ * fluence, rows). */
 void cml_find_ballistic(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;

@@ -8,8 +8,7 @@ extern const struct cml_engine cml_engine_cpu_base;
 extern const struct cml_engine cml_engine_cpu_v3, cml_engine_cpu_v4;
 #endif
 
-/* Lists the compiled versions of the engine that this processor can run, the fastest first, and returns
- * their number. The baseline runs on every machine. */
+/* The baseline runs on every machine. */
 int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS])
 {
     int count = 0;
@@ -21,7 +20,6 @@ int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS])
     return count;
 }
 
-/* Returns the engine that was compiled for the best instructions of this processor. */
 const struct cml_engine *cml_engine_cpu(void)
 {
     struct cml_cpu_level levels[CML_CPU_LEVELS];

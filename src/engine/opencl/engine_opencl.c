@@ -138,7 +138,7 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
                               struct cml_error *err)
 {
     const struct cml_tally_grid grid = cml_engine_grid(scene, surfaces, options);
-    struct cml_opencl_device *devices = NULL;
+    CML_FREED struct cml_opencl_device *devices = NULL;
     int count = 0;
     CML_TRY(refuse_meshes(scene, surfaces, err));
     CML_TRY(refuse_maps(scene, err));
@@ -147,14 +147,10 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
                         "--aim and --engine opencl, which scores no expected values and splits no packets "
                         "(expected --engine cpu)");
     CML_TRY(cml_opencl_select(options->device, options->local_rank, &devices, &count, err));
-    cml_status status = cml_owned_world_create(scene, surfaces, options, &engine->owned, err);
-    if (status == CML_OK) status = cml_tally_create(&grid, &engine->tally, err);
-    if (status == CML_OK) {
-        const struct cml_opencl_scene job = scene_of(engine, surfaces, options, &grid);
-        status = open_flights(devices, count, &job, engine, err);
-    }
-    free(devices);
-    return status;
+    CML_TRY(cml_owned_world_create(scene, surfaces, options, &engine->owned, err));
+    CML_TRY(cml_tally_create(&grid, &engine->tally, err));
+    const struct cml_opencl_scene job = scene_of(engine, surfaces, options, &grid);
+    return open_flights(devices, count, &job, engine, err);
 }
 
 /* Opens an engine. options->chunk: packets that a device is given at a time, for tests; it never changes a
@@ -312,13 +308,11 @@ static cml_status read_records(struct opencl_engine *engine, uint64_t first, uin
                                struct cml_fate_record *records, struct cml_error *err)
 {
     const size_t bytes = count * sizeof(struct cml_device_fate);
-    struct cml_device_fate *fates = malloc(bytes);
+    CML_FREED struct cml_device_fate *fates = malloc(bytes);
     if (!fates) return cml_fail_memory(err, (double)bytes, "fates");
-    const cml_status status = cml_opencl_flight_read(engine->flights, CML_BUFFER_FATES, fates, bytes, err);
-    for (uint64_t i = 0; status == CML_OK && i < count; i++)
-        copy_record(&engine->owned.world, first + i, &fates[i], &records[i]);
-    free(fates);
-    return status;
+    CML_TRY(cml_opencl_flight_read(engine->flights, CML_BUFFER_FATES, fates, bytes, err));
+    for (uint64_t i = 0; i < count; i++) copy_record(&engine->owned.world, first + i, &fates[i], &records[i]);
+    return CML_OK;
 }
 
 /* Flies packets on the first device and records how each ends, for `crosscheck`. Its sums are thrown away. */

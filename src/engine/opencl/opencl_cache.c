@@ -104,8 +104,7 @@ static unsigned char *read_binary(FILE *file, const char *key, size_t *size)
     return data;
 }
 
-/* Returns the compiled kernel that an earlier run has stored under this key, or NULL. A failure only costs a
- * compilation, so it is not reported. */
+/* A failure only costs a compilation, so it is not reported. */
 unsigned char *cml_opencl_cache_load(const char *key, cml_opencl_note *on_note, size_t *size)
 {
     char path[960], name[32];
@@ -125,8 +124,8 @@ unsigned char *cml_opencl_cache_load(const char *key, cml_opencl_note *on_note, 
     return binary;
 }
 
-/* Stores a compiled kernel under its key for later runs. It is written under another name first, so that no
- * other process reads half a file. The rights of the file do not depend on the umask. */
+/* The file is written under another name first, so that no other process reads half a file. Its rights do not
+ * depend on the umask. */
 void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t size)
 {
     char path[960 + 32], name[32];

@@ -36,7 +36,6 @@ static const char *code_name(cl_int code)
     return "OpenCL error";
 }
 
-/* Makes the error message of a failed call of OpenCL: device, call, and name and number of the code. */
 cml_status cml_opencl_fail(const struct cml_opencl_device *device, const char *what, cl_int code,
                            struct cml_error *err)
 {
@@ -56,16 +55,11 @@ static void ask(cl_device_id id, cl_device_info what, size_t size, void *value)
  * long as they like. */
 static bool has_extension(cl_device_id id, const char *name)
 {
-    char *all = NULL;
+    CML_FREED char *all = NULL;
     size_t size = 0;
-    bool found = false;
-    if (clGetDeviceInfo(id, CL_DEVICE_EXTENSIONS, 0, NULL, &size) == CL_SUCCESS) all = malloc(size + 1);
-    if (all && clGetDeviceInfo(id, CL_DEVICE_EXTENSIONS, size, all, NULL) == CL_SUCCESS) {
-        all[size] = '\0';
-        found = strstr(all, name) != NULL;
-    }
-    free(all);
-    return found;
+    if (clGetDeviceInfo(id, CL_DEVICE_EXTENSIONS, 0, NULL, &size) == CL_SUCCESS) all = calloc(1, size + 1);
+    return all && clGetDeviceInfo(id, CL_DEVICE_EXTENSIONS, size, all, NULL) == CL_SUCCESS &&
+           strstr(all, name);
 }
 
 /* Asks a device for its properties: name, memory, units and so on. A driver need not answer every
@@ -109,25 +103,21 @@ static cml_status append_platform(cl_platform_id platform, struct cml_opencl_dev
     cl_uint found = 0;
     if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, NULL, &found) != CL_SUCCESS || found == 0)
         return CML_OK;
-    cl_device_id *ids = calloc(found, sizeof *ids);
+    CML_FREED cl_device_id *ids = calloc(found, sizeof *ids);
     struct cml_opencl_device *longer = realloc(*list, ((size_t)*count + found) * sizeof *longer);
     if (longer) *list = longer;
-    if (!ids || !longer) {
-        free(ids);
-        return cml_fail_memory(err, (double)(found * sizeof *longer), "the list of devices");
-    }
+    if (!ids || !longer) return cml_fail_memory(err, (double)(found * sizeof *longer), "the list of devices");
     if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, found, ids, NULL) != CL_SUCCESS) found = 0;
     for (cl_uint i = 0; i < found; i++, (*count)++) {
         longer[*count] = (struct cml_opencl_device){.number = *count, .id = ids[i]};
         describe(platform, ids[i], &longer[*count].info);
     }
-    free(ids);
     return CML_OK;
 }
 
-/* Finds all devices with their handles; the caller frees *list. Devices are numbered across platforms, in the
- * order in which drivers name them: these are the numbers of --device. Without a driver the loader reports an
- * error, which counts as an empty list. */
+/* Finds all devices with their handles; the caller frees *list, also after a failure. Devices are numbered
+ * across platforms, in the order in which drivers name them: these are the numbers of --device. Without a
+ * driver the loader reports an error, which counts as an empty list. */
 static cml_status find_devices(struct cml_opencl_device **list, int *count, struct cml_error *err)
 {
     cl_platform_id platforms[MOST_PLATFORMS];
@@ -135,25 +125,18 @@ static cml_status find_devices(struct cml_opencl_device **list, int *count, stru
     *list = NULL;
     *count = 0;
     if (clGetPlatformIDs(MOST_PLATFORMS, platforms, &found) != CL_SUCCESS) return CML_OK;
-    for (cl_uint i = 0; i < found && i < MOST_PLATFORMS; i++) {
-        const cml_status status = append_platform(platforms[i], list, count, err);
-        if (status == CML_OK) continue;
-        free(*list);
-        *list = NULL;
-        return status;
-    }
+    for (cl_uint i = 0; i < found && i < MOST_PLATFORMS; i++)
+        CML_TRY(append_platform(platforms[i], list, count, err));
     return CML_OK;
 }
 
-/* Lists all devices with their properties, for callers that include no OpenCL header. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
-    struct cml_opencl_device *devices;
+    CML_FREED struct cml_opencl_device *devices = NULL;
     *list = NULL;
     CML_TRY(find_devices(&devices, count, err));
     *list = calloc((size_t)*count + 1, sizeof **list);
     for (int i = 0; *list && i < *count; i++) (*list)[i] = devices[i].info;
-    free(devices);
     return *list ? CML_OK : cml_fail_memory(err, *count * (double)sizeof **list, "the list of devices");
 }
 
@@ -162,8 +145,7 @@ const char *cml_opencl_build(void)
     return "OpenCL 1.2";
 }
 
-/* Returns the number of the device that a rank takes without --device. Ranks of one machine share its GPUs
- * in turn. A CPU that is also a device is left to ranks of machines without a GPU. */
+/* A CPU that is also a device is left to ranks of machines without a GPU. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
     int gpus = 0;
@@ -212,26 +194,22 @@ static cml_status parse_selection(const char *wanted, int devices, int *numbers,
  * memory is short. local_rank: number of this rank among those of the machine. */
 static int choose_default(const struct cml_opencl_device *all, int count, int local_rank)
 {
-    struct cml_opencl_info *infos = calloc((size_t)count, sizeof *infos);
+    CML_FREED struct cml_opencl_info *infos = calloc((size_t)count, sizeof *infos);
     for (int i = 0; infos && i < count; i++) infos[i] = all[i].info;
-    const int number = infos ? cml_opencl_default(infos, count, local_rank) : 0;
-    free(infos);
-    return number;
+    return infos ? cml_opencl_default(infos, count, local_rank) : 0;
 }
 
-/* Selects the devices that --device names, or the default one for this rank: at most 64, the size of the
- * engine's list of started devices. */
+/* At most 64 devices are selected, the size of the engine's list of started devices. */
 cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_opencl_device **list, int *count,
                              struct cml_error *err)
 {
     enum { most = 64 };
-    struct cml_opencl_device *all;
+    CML_FREED struct cml_opencl_device *all = NULL;
     int numbers[most], devices;
     *list = NULL;
     CML_TRY(find_devices(&all, &devices, err));
     if (devices < 1)
         return cml_fail(err, CML_E_DEVICE, "there is no OpenCL device (see clustermcml devices)");
-    cml_status status = CML_OK;
     *count = 1;
     if (!wanted) {
         numbers[0] = choose_default(all, devices, local_rank);
@@ -239,11 +217,10 @@ cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_open
         *count = devices < most ? devices : most;
         for (int i = 0; i < *count; i++) numbers[i] = i;
     } else {
-        status = parse_selection(wanted, devices, numbers, most, count, err);
+        CML_TRY(parse_selection(wanted, devices, numbers, most, count, err));
     }
-    if (status == CML_OK) *list = calloc((size_t)*count, sizeof **list);
-    if (status == CML_OK && !*list) status = cml_fail_memory(err, 1, "the list of devices");
-    for (int i = 0; status == CML_OK && i < *count; i++) (*list)[i] = all[numbers[i]];
-    free(all);
-    return status;
+    *list = calloc((size_t)*count, sizeof **list);
+    if (!*list) return cml_fail_memory(err, 1, "the list of devices");
+    for (int i = 0; i < *count; i++) (*list)[i] = all[numbers[i]];
+    return CML_OK;
 }

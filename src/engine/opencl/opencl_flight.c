@@ -102,7 +102,7 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
     const struct cml_opencl_info *info = &flight->device.info;
     const char *extra = scene->build_options ? scene->build_options : "";
     const bool exact = info->exact_division && !scene->loose_division;
-    char *options;
+    CML_FREED char *options = NULL;
     CML_TRY(cml_text_format(
         &options, "the compiler's options", err,
         "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s%s%s %s",
@@ -111,10 +111,8 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
         scene->world->world.setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES",
         scene->world->num_phase_cells ? "" : " -D CML_WITHOUT_PHASES",
         scene->rough ? "" : " -D CML_WITHOUT_ROUGHNESS", extra));
-    const cml_status status =
-        cml_opencl_program(&flight->device, flight->context, options, scene->on_note, &flight->program, err);
-    free(options);
-    return status;
+    return cml_opencl_program(&flight->device, flight->context, options, scene->on_note, &flight->program,
+                              err);
 }
 
 /* Makes a buffer, in place of one that exists, and fills it with `content` if that is not NULL. OpenCL allows
@@ -142,7 +140,7 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
     return CML_OK;
 }
 
-/* Reads `size` bytes of a buffer from the device, after all calls that were queued before have ended. */
+/* All calls that were queued before have ended then. */
 cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight, int buffer, void *to, size_t bytes,
                                   struct cml_error *err)
 {
@@ -185,13 +183,11 @@ static cml_status end_packets(struct cml_opencl_flight *flight, struct cml_error
 {
     const size_t count = (size_t)flight->most_items * flight->lanes, bytes = count * CML_DEVICE_PACKET;
     const int fate = CML_FATE_ABSORBED;
-    char *packets = calloc(count, CML_DEVICE_PACKET);
+    CML_FREED char *packets = calloc(count, CML_DEVICE_PACKET);
     if (!packets) return cml_fail_memory(err, (double)bytes, "packets");
     for (size_t i = 0; i < count; i++)
         memcpy(packets + i * CML_DEVICE_PACKET + offsetof(struct cml_packet, fate), &fate, sizeof fate);
-    const cml_status status = create_buffer(flight, CML_BUFFER_PACKETS, bytes, packets, err);
-    free(packets);
-    return status;
+    return create_buffer(flight, CML_BUFFER_PACKETS, bytes, packets, err);
 }
 
 /* Sets all tallies of the device to 0. */
@@ -282,8 +278,6 @@ static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_o
     return set_arguments(scene, &parts, flight, err);
 }
 
-/* Opens an OpenCL device for a scene: compiles the kernel and copies the scene. On failure everything is
- * released. */
 cml_status cml_opencl_flight_open(const struct cml_opencl_device *device,
                                   const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                                   struct cml_error *err)
@@ -294,7 +288,7 @@ cml_status cml_opencl_flight_open(const struct cml_opencl_device *device,
     return status;
 }
 
-/* Releases everything of an OpenCL flight, also of one that was only partly opened. */
+/* The flight may have been opened only in part. */
 void cml_opencl_flight_close(struct cml_opencl_flight *flight)
 {
     for (int i = 0; i < CML_NUM_BUFFERS; i++)
@@ -306,8 +300,8 @@ void cml_opencl_flight_close(struct cml_opencl_flight *flight)
     *flight = (struct cml_opencl_flight){0};
 }
 
-/* Prepares a device for a piece of photons. With fewer photons than it could take, the device uses fewer
- * work-items. The buffer for records of ends is made when records are first wanted, and kept. */
+/* With fewer photons than it could take, the device uses fewer work-items. The buffer for records of ends is
+ * made when records are first wanted, and kept. */
 cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t photons, uint64_t records,
                                    struct cml_error *err)
 {
@@ -324,8 +318,7 @@ cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t ph
     return CML_OK;
 }
 
-/* Gives a device more photons, which its next call starts to fly: `count` indices from `first` on, `stride`
- * apart. The counters are written to the device then. */
+/* The next call writes the counters to the device. */
 void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t stride, uint64_t count)
 {
     flight->counters.first = first;
@@ -334,21 +327,18 @@ void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, ui
     flight->counters.taken = 0;
 }
 
-/* True if the device has begun all photons that it was given. */
 bool cml_opencl_flight_dry(const struct cml_opencl_flight *flight)
 {
     return flight->counters.taken >= flight->counters.count;
 }
 
-/* True if the device has begun all its photons, and none is still under way. */
 bool cml_opencl_flight_done(const struct cml_opencl_flight *flight)
 {
     return cml_opencl_flight_dry(flight) && flight->counters.alive == 0;
 }
 
-/* Starts a call of the kernel without waiting for its end. Only whole groups can be started; items beyond
- * call.items rest. Counters go with every call, because the device counts packets alive and lost. The flush
- * makes the device begin while the host starts others. */
+/* Only whole groups can be started; items beyond call.items rest. Counters go with every call, because the
+ * device counts packets alive and lost. The flush makes the device begin while the host starts others. */
 cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t local = flight->group, global = (flight->call.items + local - 1) / local * local;
@@ -381,8 +371,7 @@ static void adapt(struct cml_opencl_flight *flight, double seconds)
     if (full > CALL_SECONDS * 2 && alive == items && *steps > 1) *steps /= 2;
 }
 
-/* Waits for the end of a call of the kernel and reads its counters. The blocking read waits for the kernel,
- * because the queue keeps its order. */
+/* The blocking read waits for the kernel, because the queue keeps its order. */
 cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     CML_TRY(
@@ -391,7 +380,6 @@ cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml
     return CML_OK;
 }
 
-/* Reads the sums from the device and sets them to zero there, so that no sum is counted twice. */
 cml_status cml_opencl_flight_collect(struct cml_opencl_flight *flight, uint64_t *cells, struct cml_error *err)
 {
     CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_CELLS, cells, flight->num_cells * sizeof *cells, err));

@@ -43,7 +43,6 @@ const struct cml_engine cml_engine_opencl = {
     .close = none_close,
 };
 
-/* Returns an empty list and no error, so that `devices` says that there is no device. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
     *count = 0;
@@ -56,7 +55,6 @@ const char *cml_opencl_build(void)
     return "none";
 }
 
-/* Stands for the choice of a device in a program without OpenCL. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
     (void)list, (void)count, (void)local_rank;

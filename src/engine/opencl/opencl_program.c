@@ -12,26 +12,21 @@ static cml_status fail_build(const struct cml_opencl_device *device, cl_program 
                              cml_opencl_note *on_note, struct cml_error *err)
 {
     size_t size = 0;
-    char *log = NULL;
+    CML_FREED char *log = NULL;
     if (clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) == CL_SUCCESS)
         log = calloc(1, size + 1);
     if (!log ||
         clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, size, log, NULL) != CL_SUCCESS ||
-        log[0] == '\0') {
-        free(log);
+        log[0] == '\0')
         return cml_opencl_fail(device, "building the kernel", code, err);
-    }
     const char *first = NULL;
     char *rest = log;
     for (char *line = strtok_r(log, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
         if (on_note) on_note(NULL, line);
         if (!first && strstr(line, "error")) first = line;
     }
-    const cml_status status =
-        cml_fail(err, CML_E_DEVICE, "opencl device %d (%s): the kernel does not compile: %s", device->number,
-                 device->info.name, first ? first : log);
-    free(log);
-    return status;
+    return cml_fail(err, CML_E_DEVICE, "opencl device %d (%s): the kernel does not compile: %s",
+                    device->number, device->info.name, first ? first : log);
 }
 
 /* Returns the key of a binary: everything that it depends on. The caller frees it. */
@@ -52,12 +47,11 @@ static bool build_from_cache(const struct cml_opencl_device *device, cl_context 
                              const char *options, cml_opencl_note *on_note, cl_program *program)
 {
     size_t size = 0;
-    unsigned char *binary = cml_opencl_cache_load(key, on_note, &size);
+    CML_FREED unsigned char *binary = cml_opencl_cache_load(key, on_note, &size);
     const unsigned char *binaries[] = {binary};
     cl_int sound = CL_SUCCESS, code = CL_SUCCESS;
     if (!binary) return false;
     *program = clCreateProgramWithBinary(context, 1, &device->id, &size, binaries, &sound, &code);
-    free(binary);
     if (code != CL_SUCCESS) return false;
     if (sound == CL_SUCCESS && clBuildProgram(*program, 1, &device->id, options, NULL, NULL) == CL_SUCCESS)
         return true;
@@ -71,10 +65,9 @@ static void keep(const char *key, cl_program program)
     size_t size = 0;
     if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof size, &size, NULL) != CL_SUCCESS || !size)
         return;
-    unsigned char *binary = malloc(size);
+    CML_FREED unsigned char *binary = malloc(size);
     if (binary && clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof binary, &binary, NULL) == CL_SUCCESS)
         cml_opencl_cache_store(key, binary, size);
-    free(binary);
 }
 
 /* Compiles the kernel from its source text, which is a part of this program (opencl_text.cmake put it
@@ -95,17 +88,13 @@ static cml_status build_from_text(const struct cml_opencl_device *device, cl_con
     return status;
 }
 
-/* Returns the compiled kernel for a device: from the cache of earlier runs, else compiled and stored there.
- * Without memory for the cache's key, the kernel is compiled and not stored. */
+/* Without memory for the cache's key, the kernel is compiled and not stored. */
 cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context, const char *options,
                               cml_opencl_note *on_note, cl_program *program, struct cml_error *err)
 {
-    char *key = key_of(device, options);
-    cml_status status = CML_OK;
-    if (!key || !build_from_cache(device, context, key, options, on_note, program)) {
-        status = build_from_text(device, context, options, on_note, program, err);
-        if (key && status == CML_OK) keep(key, *program);
-    }
-    free(key);
-    return status;
+    CML_FREED char *key = key_of(device, options);
+    if (key && build_from_cache(device, context, key, options, on_note, program)) return CML_OK;
+    CML_TRY(build_from_text(device, context, options, on_note, program, err));
+    if (key) keep(key, *program);
+    return CML_OK;
 }

@@ -100,30 +100,11 @@ static cml_status compare_mesh_with_field(struct encounter *e, const struct cml_
     return fail_encounter(e, "meets", err);
 }
 
-/* Arguments of a search among the triangles whose boxes touch a sphere's box. */
-struct facets {
-    struct encounter *e;
-    struct cml_convex convex;
-    bool meets;
-};
-
-/* Notes if a sphere or cylinder meets one facet of the boundary. The search among the facets' boxes calls it
- * for each facet that comes near. */
-static void compare_with_facet(void *context, uint32_t t)
-{
-    struct facets *facets = context;
-    const struct cml_sheet *sheet = &facets->e->sheet;
-    struct cml_convex triangle = {.form = CML_CONVEX_TRIANGLE};
-    if (facets->meets) return;
-    for (int k = 0; k < 3; k++) triangle.corner[k] = sheet->vertex[sheet->mesh->triangle[t][k]];
-    facets->meets = cml_convex_compare(&triangle, &facets->convex, facets->e->at) != CML_CONVEX_APART;
-}
-
 /* Compares a sphere with a mesh boundary. A sphere that reaches the depth of the outer plane must do so
  * inside the border, and must not meet the border's edges. */
 static cml_status compare_sphere_with_sheet(struct encounter *e, struct cml_error *err)
 {
-    struct facets facets = {.e = e, .convex = cml_body_convex(e->body)};
+    const struct cml_convex convex = cml_body_convex(e->body);
     const struct cml_sheet *sheet = &e->sheet;
     const double *c = e->body->centre;
     const double margin = 4 * err_share * (fabs(c[0]) + fabs(c[1]) + fabs(c[2]) + e->body->radius);
@@ -132,9 +113,9 @@ static cml_status compare_sphere_with_sheet(struct encounter *e, struct cml_erro
         lower[k] = e->lower[k] - margin;
         upper[k] = e->upper[k] + margin;
     }
-    cml_boxtree_touching(sheet->tree, lower, upper, compare_with_facet, &facets);
-    if (facets.meets) return fail_encounter(e, "meets", err);
     cml_vec3_copy(c, e->at);
+    if (cml_compare_with_facets(sheet, &convex, lower, upper, e->at) > 0)
+        return fail_encounter(e, "meets", err);
     e->at[2] = sheet->z_plane;
     if (fabs(c[2] - sheet->z_plane) <= e->body->radius &&
         !cml_footprint_contains(sheet->footprint, c[0], c[1]))
@@ -160,27 +141,24 @@ static bool lies_beyond(struct encounter *e, const struct cml_sheet *body)
 static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
-    struct cml_sheet body;
+    CML_AT_END(cml_sheet_clear) struct cml_sheet body = {0};
     struct cml_sheet_overlap overlap;
     CML_TRY(cml_sheet_create(mesh, 0, &body, err));
     cml_sheet_contact(&body, &e->sheet, &overlap);
-    if (overlap.contact != CML_APART) cml_vec3_copy(overlap.at, e->at);
-    const bool beyond = overlap.contact == CML_APART && lies_beyond(e, &body);
-    cml_sheet_clear(&body);
-    if (overlap.contact != CML_APART) return fail_encounter(e, "meets", err);
-    return beyond ? fail_encounter(e, "lies beyond", err) : CML_OK;
+    if (overlap.contact == CML_APART)
+        return lies_beyond(e, &body) ? fail_encounter(e, "lies beyond", err) : CML_OK;
+    cml_vec3_copy(overlap.at, e->at);
+    return fail_encounter(e, "meets", err);
 }
 
 /* Refuses a body that meets a boundary that is not a plane; the body is a mesh, or a cylinder taken as a
  * prism around it. */
 static cml_status compare_mesh(struct encounter *e, struct cml_error *err)
 {
-    struct cml_mesh mesh;
+    CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
     CML_TRY(cml_body_mesh(e->body, SIDES, true, &mesh, err));
-    const cml_status status = e->boundary->form == CML_FORM_MESH ? compare_mesh_with_sheet(e, &mesh, err)
-                                                                 : compare_mesh_with_field(e, &mesh, err);
-    cml_mesh_clear(&mesh);
-    return status;
+    return e->boundary->form == CML_FORM_MESH ? compare_mesh_with_sheet(e, &mesh, err)
+                                              : compare_mesh_with_field(e, &mesh, err);
 }
 
 /* Refuses a body that reaches the depths of a repeated heightmap. A tile has no triangles to compare the
@@ -208,27 +186,18 @@ static cml_status compare(struct encounter *e, struct cml_error *err)
     return form == CML_FORM_MESH ? compare_sphere_with_sheet(e, err) : compare_sphere_with_field(e, err);
 }
 
-/* Finds between which depths a boundary lies: `top` is the smallest and `bottom` the greatest depth of its n
- * heights. */
-static void take_heights(struct encounter *e, const double *h, size_t n)
-{
-    e->top = INFINITY;
-    e->bottom = -INFINITY;
-    for (size_t i = 0; i < n; i++) {
-        e->top = fmin(e->top, e->boundary->z - h[i]);
-        e->bottom = fmax(e->bottom, e->boundary->z - h[i]);
-    }
-}
-
 /* Prepares a boundary for comparison with bodies: the depths between which it lies and, if it is a mesh, its
  * search structure. */
 static cml_status prepare(struct encounter *e, struct cml_error *err)
 {
     const struct cml_boundary *boundary = e->boundary;
+    const struct cml_radial *radial = &boundary->radial;
     const struct cml_heightmap *tile = &boundary->tile;
     e->top = e->bottom = boundary->z;
-    if (boundary->form == CML_FORM_RADIAL) take_heights(e, boundary->radial.h, (size_t)boundary->radial.n);
-    if (boundary->form == CML_FORM_TILE) take_heights(e, tile->h, (size_t)tile->nx * (size_t)tile->ny);
+    if (boundary->form == CML_FORM_RADIAL)
+        cml_depth_range(radial->h, (size_t)radial->n, boundary->z, &e->top, &e->bottom);
+    if (boundary->form == CML_FORM_TILE)
+        cml_depth_range(tile->h, (size_t)tile->nx * (size_t)tile->ny, boundary->z, &e->top, &e->bottom);
     if (boundary->form != CML_FORM_MESH) return CML_OK;
     CML_TRY(cml_sheet_create(&boundary->mesh, boundary->z, &e->sheet, err));
     e->top = e->sheet.top;
@@ -251,7 +220,6 @@ static cml_status check_boundary(const struct cml_scene *scene, int layer, int n
     return status;
 }
 
-/* Refuses bodies that touch or cross the boundary above or below their layer. */
 cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_error *err)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {
@@ -261,7 +229,6 @@ cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_erro
     return CML_OK;
 }
 
-/* Does the checks of shapes that take time: slopes, overlaps of boundaries, and bodies against boundaries. */
 cml_status cml_scene_check_shapes(const struct cml_scene *scene, struct cml_error *err)
 {
     CML_TRY(cml_scene_check_steepness(scene, err));

@@ -60,8 +60,7 @@ static cml_status fail_pair(const struct cml_scene *scene, const struct solid *a
 struct facets {
     const struct cml_sheet *sheet;
     const struct cml_convex *convex;
-    size_t inside; /* number of triangles inside the sphere or cylinder */
-    bool meets;
+    size_t inside; /* number of triangles inside the sphere or cylinder; SIZE_MAX: one meets its surface */
     double *at;
 };
 
@@ -71,12 +70,20 @@ static void compare_with_facet(void *context, uint32_t t)
 {
     struct facets *facets = context;
     struct cml_convex triangle = {.form = CML_CONVEX_TRIANGLE};
-    if (facets->meets) return;
+    if (facets->inside == SIZE_MAX) return;
     for (int k = 0; k < 3; k++)
         triangle.corner[k] = facets->sheet->vertex[facets->sheet->mesh->triangle[t][k]];
     const enum cml_convex_order order = cml_convex_compare(&triangle, facets->convex, facets->at);
-    facets->meets = order == CML_CONVEX_MEET;
     facets->inside += order == CML_CONVEX_FIRST_INSIDE;
+    if (order == CML_CONVEX_MEET) facets->inside = SIZE_MAX;
+}
+
+size_t cml_compare_with_facets(const struct cml_sheet *sheet, const struct cml_convex *convex,
+                               const double lower[3], const double upper[3], double at[3])
+{
+    struct facets facets = {.sheet = sheet, .convex = convex, .at = at};
+    cml_boxtree_touching(sheet->tree, lower, upper, compare_with_facet, &facets);
+    return facets.inside;
 }
 
 /* Tells how a sphere or cylinder lies to a mesh; at: a common point, if they meet. If no triangle meets its
@@ -85,14 +92,13 @@ static enum cml_convex_order compare_with_mesh(const struct cml_scene_body *body
                                                const struct cml_sheet *sheet, double at[3])
 {
     const struct cml_convex convex = cml_body_convex(body);
-    struct facets facets = {.sheet = sheet, .convex = &convex, .at = at};
     double lower[3], upper[3];
     cml_body_box(body, lower, upper);
-    cml_boxtree_touching(sheet->tree, lower, upper, compare_with_facet, &facets);
-    if (facets.meets) return CML_CONVEX_MEET;
-    if (facets.inside == sheet->mesh->num_triangles) return CML_CONVEX_SECOND_INSIDE;
+    const size_t inside = cml_compare_with_facets(sheet, &convex, lower, upper, at);
+    if (inside == SIZE_MAX) return CML_CONVEX_MEET;
+    if (inside == sheet->mesh->num_triangles) return CML_CONVEX_SECOND_INSIDE;
     cml_vec3_copy(convex.centre, at);
-    if (facets.inside > 0) return CML_CONVEX_OVERLAP;
+    if (inside > 0) return CML_CONVEX_OVERLAP;
     return cml_sheet_is_below(sheet, convex.centre) ? CML_CONVEX_FIRST_INSIDE : CML_CONVEX_APART;
 }
 
@@ -266,24 +272,21 @@ static cml_status place(struct placing *p, struct cml_sheet *sheets)
     return compare_all(p);
 }
 
-/* Finds the host of every body of the scene, and refuses bodies that cross or touch. */
 cml_status cml_scene_place_bodies(struct cml_scene *scene, struct cml_error *err)
 {
-    struct placing p = {.scene = scene, .count = (size_t)scene->num_bodies, .status = CML_OK, .err = err};
+    const size_t count = (size_t)scene->num_bodies;
     size_t meshes = 0;
-    if (p.count == 0) return CML_OK;
-    for (size_t i = 0; i < p.count; i++) meshes += scene->bodies[i].form == CML_BODY_MESH;
-    struct cml_sheet *sheets = calloc(meshes + 1, sizeof *sheets);
-    p.solid = calloc(p.count, sizeof *p.solid);
-    p.box = malloc(p.count * sizeof *p.box);
-    const double bytes = (double)(p.count * (sizeof *p.solid + sizeof *p.box));
-    const cml_status status =
-        sheets && p.solid && p.box ? place(&p, sheets) : cml_fail_memory(err, bytes, "the check of bodies");
-    for (size_t i = 0; status == CML_OK && i < p.count; i++)
-        scene->bodies[p.solid[i].number].host = p.solid[i].host;
-    for (size_t i = 0; sheets && i < meshes; i++) cml_sheet_clear(&sheets[i]);
-    free(sheets);
-    free(p.solid);
-    free(p.box);
+    if (count == 0) return CML_OK;
+    for (size_t i = 0; i < count; i++) meshes += scene->bodies[i].form == CML_BODY_MESH;
+    CML_FREED struct cml_sheet *sheets = calloc(meshes + 1, sizeof *sheets);
+    CML_FREED struct solid *solid = calloc(count, sizeof *solid);
+    CML_FREED double(*box)[2][3] = malloc(count * sizeof *box);
+    if (!sheets || !solid || !box)
+        return cml_fail_memory(err, (double)(count * (sizeof *solid + sizeof *box)), "the check of bodies");
+    struct placing p = {.scene = scene, .count = count, .solid = solid, .box = box, .err = err};
+    const cml_status status = place(&p, sheets);
+    for (size_t i = 0; status == CML_OK && i < count; i++)
+        scene->bodies[solid[i].number].host = solid[i].host;
+    for (size_t i = 0; i < meshes; i++) cml_sheet_clear(&sheets[i]);
     return status;
 }

@@ -4,11 +4,20 @@
 
 #include "scene/scene.h"
 
+struct cml_convex;
+struct cml_sheet;
+
 /* Finds the host of every body (member `host`) from geometry; for readers. Bodies of one layer must not cross
  * or touch each other, nor themselves. Spheres are compared with spheres, cylinders and triangles, and meshes
  * with meshes, to rounding. Cylinders are compared with cylinders and triangles to a thousandth of the
  * radius. CML_E_INPUT: "FILE:LINE: body 2 meets body 1 (line N) at (x y z) cm". */
 CML_NODISCARD cml_status cml_scene_place_bodies(struct cml_scene *scene, struct cml_error *err);
+
+/* Compares a sphere or cylinder, with the box from `lower` to `upper` about it, with the triangles of a
+ * sheet. Returns the number of triangles that lie inside the sphere or cylinder; SIZE_MAX if one meets its
+ * surface: then at the place `at`. */
+size_t cml_compare_with_facets(const struct cml_sheet *sheet, const struct cml_convex *convex,
+                               const double lower[3], const double upper[3], double at[3]);
 
 /* Checks that bodies lie inside their layer and do not touch its boundaries. Cylinders are compared with
  * heightfields and meshes as the prisms of 512 sides around them. CML_E_INPUT: "FILE:LINE: body 1 meets

@@ -8,15 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Returns the word for a body's form. */
 const char *cml_body_form_name(enum cml_body_form form)
 {
     static const char *const names[] = {"mesh", "sphere", "cylinder"};
     return names[form];
 }
 
-/* Returns a sphere or cylinder in the form that geometry of convex sets uses; a cylinder with a unit axis
- * and a length. */
 struct cml_convex cml_body_convex(const struct cml_scene_body *body)
 {
     struct cml_convex convex = {.form = CML_CONVEX_SPHERE, .radius = body->radius};
@@ -29,9 +26,9 @@ struct cml_convex cml_body_convex(const struct cml_scene_body *body)
     return convex;
 }
 
-/* Computes the box around a body. A disk of radius r across the body's axis reaches r sqrt(1 - axis_k^2)
- * along coordinate k. The code computes r times the length of the axis' other two coordinates. This is the
- * same length, but no digits cancel for an axis along coordinate k. */
+/* A disk of radius r across the body's axis reaches r sqrt(1 - axis_k^2) along coordinate k. The root is the
+ * length of the axis' other two coordinates; so computed, it loses no digits for an axis along coordinate k.
+ * */
 void cml_body_box(const struct cml_scene_body *body, double lower[3], double upper[3])
 {
     if (body->form == CML_BODY_MESH) {
@@ -50,15 +47,13 @@ void cml_body_box(const struct cml_scene_body *body, double lower[3], double upp
     }
 }
 
-/* Returns a point of a body that serves to find what lies around the body, cm. */
 void cml_body_point(const struct cml_scene_body *body, double point[3])
 {
     cml_vec3_copy(body->form == CML_BODY_MESH ? body->mesh.vertex[0] : body->centre, point);
     if (body->form == CML_BODY_SPHERE) point[0] += body->radius;
 }
 
-/* Returns the volume of a body, cm^3. The volume of a mesh is the sum of signed tetrahedra from vertex 0 to
- * each facet. */
+/* The volume of a mesh is the sum of signed tetrahedra from vertex 0 to each facet. */
 double cml_body_volume(const struct cml_scene_body *body)
 {
     const double r = body->radius;
@@ -136,16 +131,6 @@ static cml_status make_sphere(const struct cml_scene_body *body, int n, struct c
     return CML_OK;
 }
 
-/* Finds two unit vectors e1, e2 perpendicular to the axis and to each other. */
-static void find_frame(const double axis[3], double e1[3], double e2[3])
-{
-    const int thin = fabs(axis[0]) < 0.6 ? 0 : 1;
-    const double unit[3] = {thin == 0, thin == 1, 0};
-    cml_vec3_cross(axis, unit, e1);
-    cml_vec3_normalise(e1);
-    cml_vec3_cross(axis, e1, e2);
-}
-
 /* Makes the prism of a cylinder. Vertices: both rims, then the middles of both ends. Triangles: the side,
  * then the ends. */
 static cml_status make_cylinder(const struct cml_scene_body *body, int n, double radius,
@@ -154,7 +139,7 @@ static cml_status make_cylinder(const struct cml_scene_body *body, int n, double
     const struct cml_convex convex = cml_body_convex(body);
     const size_t count = (size_t)n;
     double e1[3], e2[3];
-    find_frame(convex.axis, e1, e2);
+    cml_vec3_frame(convex.axis, e1, e2);
     CML_TRY(cml_mesh_allocate(mesh, 2 * count + 2, 4 * count, "the mesh of a body", err));
     for (size_t i = 0; i < 2 * count; i++) {
         const double t = 2 * CML_PI * (double)(i % count) / n;
@@ -191,9 +176,9 @@ static void scale_to_volume(const struct cml_scene_body *body, struct cml_mesh *
     }
 }
 
-/* Returns the number of segments that keeps a tolerance. On a sphere the middle of a face lies deepest, by at
- * most 0.35 / n^2 of the radius below its corners (the largest faces). On a cylinder the middle of a side
- * does, by pi^2 / (2 n^2). Scaling to the body's volume reduces both. */
+/* On a sphere the middle of a face lies deepest, by at most 0.35 / n^2 of the radius below its corners (the
+ * largest faces). On a cylinder the middle of a side does, by pi^2 / (2 n^2). Scaling to the body's volume
+ * reduces both. */
 int cml_body_segments(enum cml_body_form form, double tolerance)
 {
     const double least = 3, most = 1000;
@@ -201,7 +186,6 @@ int cml_body_segments(enum cml_body_form form, double tolerance)
     return (int)fmin(most, fmax(least, ceil(n)));
 }
 
-/* Makes the mesh of a body: a copy of a mesh, a sphere as a divided icosahedron, or a cylinder as a prism. */
 cml_status cml_body_mesh(const struct cml_scene_body *body, int n, bool around, struct cml_mesh *mesh,
                          struct cml_error *err)
 {

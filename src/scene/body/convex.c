@@ -82,7 +82,6 @@ static void project_on_triangle(const struct cml_convex *c, const double p[3], d
     cml_vec3_add_scaled(closest, w, ac, closest);
 }
 
-/* Finds the point of a convex set that is closest to p; p itself if p lies inside. */
 void cml_convex_project(const struct cml_convex *convex, const double p[3], double closest[3])
 {
     if (convex->form == CML_CONVEX_SPHERE)
@@ -93,8 +92,7 @@ void cml_convex_project(const struct cml_convex *convex, const double p[3], doub
         project_on_triangle(convex, p, closest);
 }
 
-/* Returns the distance from p to the surface of a sphere or cylinder, negative inside. Beyond the rim of a
- * cylinder the closest point lies on its edge, hence hypot. */
+/* Beyond the rim of a cylinder the closest point lies on its edge, hence hypot. */
 double cml_convex_distance(const struct cml_convex *convex, const double p[3])
 {
     double d[3];
@@ -163,11 +161,7 @@ static double farthest_across(const struct cml_convex *outer, const struct cml_c
     along_axis(outer, middle, v);
     const double most = inner->radius + cml_vec3_length(v);
     if (most < outer->radius) return most;
-    const int thin = fabs(inner->axis[0]) < 0.6 ? 0 : 1;
-    const double unit[3] = {thin == 0, thin == 1, 0};
-    cml_vec3_cross(inner->axis, unit, e1);
-    cml_vec3_normalise(e1);
-    cml_vec3_cross(inner->axis, e1, e2);
+    cml_vec3_frame(inner->axis, e1, e2);
     cml_vec3_add_scaled(e1, -cml_vec3_dot(e1, outer->axis), outer->axis, q1);
     cml_vec3_add_scaled(e2, -cml_vec3_dot(e2, outer->axis), outer->axis, q2);
     for (int i = 0; i < places; i++) {

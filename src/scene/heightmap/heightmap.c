@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Allocates the heights of a map. nx, ny are doubles, because the product of two ints from a file may not fit
- * an int. */
+/* nx, ny are doubles, because the product of two ints from a file may not fit an int. */
 cml_status cml_heightmap_allocate(const char *path, double nx, double ny, struct cml_heightmap *map,
                                   struct cml_error *err)
 {
@@ -56,8 +55,6 @@ static void swap_rows(struct cml_heightmap *map)
         }
 }
 
-/* Reverses the rows of a heightmap, since files begin at the top, and moves the middle of the map to x = y =
- * 0. */
 void cml_heightmap_centre(struct cml_heightmap *map)
 {
     swap_rows(map);
@@ -65,8 +62,7 @@ void cml_heightmap_centre(struct cml_heightmap *map)
     map->y0 = -0.5 * (map->ny - 1) * map->dy;
 }
 
-/* Scales a heightmap, shifts it, and with `turn` turns it about the x axis so that it faces the other way.
- * The turn changes the signs of y and of the heights; y is symmetric about the map's middle, so only the
+/* The turn changes the signs of y and of the heights; y is symmetric about the map's middle, so only the
  * order of the rows changes. */
 void cml_heightmap_place(struct cml_heightmap *map, double scale, const double shift[3], bool turn)
 {

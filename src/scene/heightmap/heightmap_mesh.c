@@ -1,6 +1,8 @@
 /* Makes the prepared mesh of a heightmap: the merged triangles and the skirt around them.
  * SPDX-License-Identifier: MIT */
 #include "scene/heightmap/heightmap.h"
+
+#include "base/array.h"
 #include "scene/heightmap/heightmap_split.h"
 
 #include <math.h>
@@ -11,11 +13,12 @@
 struct builder {
     const struct cml_heightmap *map;
     size_t (*corner)[3]; /* [count] samples at the corners of the triangles, stored up to `most` triangles */
-    size_t count, capacity, most;
+    size_t count, most;
     uint32_t *vertex; /* [ny][nx] number of the mesh vertex at each sample, from 1; 0: none */
     size_t *rim;      /* [num_rim] samples of the rim that are vertices, counter-clockwise from sample 0, 0 */
     size_t num_rim;
-    bool out_of_memory;
+    cml_status status; /* status of storing triangles; a failure ends it */
+    struct cml_error *err;
 };
 
 /* Adds a triangle to the mesh of a heightmap, and marks the samples that it uses as vertices. cml_split_walk
@@ -24,19 +27,11 @@ static void add_triangle(void *context, const size_t corner[3])
 {
     struct builder *b = context;
     for (int k = 0; k < 3; k++) b->vertex[corner[k]] = 1;
-    if (b->count >= b->most) { /* triangles beyond the budget are counted, but not stored */
-        b->count++;
-        return;
-    }
-    if (b->count == b->capacity) {
-        const size_t larger = b->capacity ? 2 * b->capacity : 1024;
-        void *corners = realloc(b->corner, larger * sizeof *b->corner);
-        b->out_of_memory = b->out_of_memory || !corners;
-        if (!corners) return;
-        b->corner = corners;
-        b->capacity = larger;
-    }
-    memcpy(b->corner[b->count++], corner, sizeof *b->corner);
+    if (b->count < b->most && b->status == CML_OK) /* those beyond the budget are counted, but not stored */
+        b->status =
+            cml_array_grow(&b->corner, b->count, sizeof *b->corner, "the triangles of a heightmap", b->err);
+    if (b->count < b->most && b->status == CML_OK) memcpy(b->corner[b->count], corner, sizeof *b->corner);
+    b->count++;
 }
 
 /* ---- the rim ---- */
@@ -219,8 +214,7 @@ static cml_status merge(struct builder *b, double tolerance, const struct cml_me
     CML_TRY(cml_split_create(b->map, &split, err));
     cml_split_walk(&split, tolerance, surface, add_triangle, b);
     cml_split_free(&split);
-    if (b->out_of_memory)
-        return cml_fail_memory(err, 48.0 * (double)b->count, "the triangles of a heightmap");
+    CML_TRY(b->status);
     list_rim(b);
     const size_t with_skirt = b->count + 2 * b->num_rim + 8;
     return cml_mesh_budget_check(budget, (double)with_skirt, "a larger --tolerance or --mesh-budget", err);
@@ -235,8 +229,8 @@ static void clear(struct builder *b, double *surface)
     free(b->rim);
 }
 
-/* Makes the mesh of a heightmap. Samples are merged first, and only the merged triangles and their corners
- * are stored. A large map therefore never has all its triangles in memory. */
+/* Samples are merged first, and only the merged triangles and their corners are stored. A large map therefore
+ * never has all its triangles in memory. */
 cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance, enum cml_normals normals,
                               const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
                               struct cml_heightmap_notes *notes, struct cml_error *err)
@@ -245,7 +239,8 @@ cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance,
     struct builder b = {.map = map,
                         .most = (size_t)(budget && budget->most > 0 ? budget->most : CML_MESH_MOST),
                         .vertex = calloc(samples, sizeof *b.vertex),
-                        .rim = malloc(rim_length(map) * sizeof *b.rim)};
+                        .rim = malloc(rim_length(map) * sizeof *b.rim),
+                        .err = err};
     double *surface = malloc(samples * sizeof *surface);
     *mesh = (struct cml_mesh){.normals = normals};
     note_map(map, tolerance, notes);

@@ -129,8 +129,6 @@ static void square_at(int x, int y, int size, struct triangle half[2])
     half[1] = (struct triangle){low, high, {x, y + size}};
 }
 
-/* Computes for every sample how far the mesh would be off if the sample were left out, from the smallest
- * triangles to the largest. */
 cml_status cml_split_create(const struct cml_heightmap *map, struct cml_split *split, struct cml_error *err)
 {
     const int cells = (map->nx < map->ny ? map->nx : map->ny) - 1;
@@ -211,9 +209,8 @@ static void refine(const struct walk *walk, const struct triangle *t, int depth)
     for (int i = 0; i < 2; i++) refine(walk, &half[i], depth + 1);
 }
 
-/* Merges the triangles of a heightmap within the tolerance and visits those that remain. Begins with squares
- * of at most 256 x 256 cells. Merged, such a square is 2 triangles instead of 131072, and larger squares
- * would save hardly more. */
+/* Begins with squares of at most 256 x 256 cells. Merged, such a square is 2 triangles instead of 131072, and
+ * larger squares would save hardly more. */
 void cml_split_walk(const struct cml_split *split, double tolerance, double *surface, cml_split_visit *visit,
                     void *context)
 {

@@ -11,8 +11,6 @@
 #define OF_FILE 50.0 /* bytes of them that are those of the file */
 #define SECONDS 3e-6 /* seconds per triangle; measured: 2.1e-6 tessellations, 4.2e-6 .obj files */
 
-/* Returns the number of triangles that a heightmap's mesh may have if the user says nothing: fewer on a
- * machine with little memory. */
 double cml_mesh_budget_default(void)
 {
     const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
@@ -32,8 +30,6 @@ static void name(const struct cml_mesh_budget *budget, char *text, size_t size)
         snprintf(text, size, "%.512s: %s %d", budget->file, what, number);
 }
 
-/* Refuses a mesh with more triangles than the budget allows; `remedy` tells the user what to do. For a mesh
- * that takes over a second to make, sends a note. budget NULL: only the limit of all meshes counts. */
 cml_status cml_mesh_budget_check(const struct cml_mesh_budget *budget, double triangles, const char *remedy,
                                  struct cml_error *err)
 {

@@ -138,28 +138,24 @@ static void scale_heights(const struct cml_random_relief *relief, struct cml_hei
     for (size_t i = 0; i < count; i++) map->h[i] -= mean;
 }
 
-/* Makes a random relief: filters noise, takes the real parts as heights, and scales them. */
 cml_status cml_random_relief_make(const struct cml_random_relief *relief, struct cml_heightmap *map,
                                   struct cml_error *err)
 {
     const int n = relief->points;
     const size_t count = (size_t)n * (size_t)n;
     CML_TRY(cml_heightmap_allocate("the relief", n, n, map, err));
-    double complex *x = malloc(count * sizeof *x), *root = malloc((size_t)n / 2 * sizeof *root);
-    const bool enough = x && root;
-    if (enough) {
-        for (int m = 0; m < n / 2; m++) root[m] = cos(tau * m / n) + sin(tau * m / n) * I;
-        filter_noise(relief, x, root);
-        for (size_t i = 0; i < count; i++) map->h[i] = creal(x[i]);
-        map->dx = map->dy = relief->length / CML_RELIEF_STEPS;
-        cml_heightmap_centre(map);
-        scale_heights(relief, map);
+    CML_FREED double complex *x = malloc(count * sizeof *x), *root = malloc((size_t)n / 2 * sizeof *root);
+    if (!x || !root) {
+        cml_heightmap_clear(map);
+        return cml_fail_memory(err, (double)(count * sizeof *x), "a relief");
     }
-    free(x);
-    free(root);
-    if (enough) return CML_OK;
-    cml_heightmap_clear(map);
-    return cml_fail_memory(err, (double)(count * sizeof *x), "a relief");
+    for (int m = 0; m < n / 2; m++) root[m] = cos(tau * m / n) + sin(tau * m / n) * I;
+    filter_noise(relief, x, root);
+    for (size_t i = 0; i < count; i++) map->h[i] = creal(x[i]);
+    map->dx = map->dy = relief->length / CML_RELIEF_STEPS;
+    cml_heightmap_centre(map);
+    scale_heights(relief, map);
+    return CML_OK;
 }
 
 /* ---- what was drawn ---- */

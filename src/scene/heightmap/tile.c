@@ -56,8 +56,6 @@ static cml_status mirror(const char *path, struct cml_heightmap *map, struct cml
     return CML_OK;
 }
 
-/* Makes one period of a heightmap that is repeated over the plane. `mirrored`: the period becomes twice as
- * long in x and y by mirror images, which makes its edges fit. */
 cml_status cml_tile_make(const char *path, bool mirrored, struct cml_heightmap *map,
                          struct cml_tile_notes *notes, struct cml_error *err)
 {
@@ -68,7 +66,6 @@ cml_status cml_tile_make(const char *path, bool mirrored, struct cml_heightmap *
     return CML_OK;
 }
 
-/* Returns the period of a repeated heightmap along an axis (0: x, 1: y), cm. */
 double cml_tile_period(const struct cml_heightmap *tile, int axis)
 {
     return axis == 0 ? tile->nx * tile->dx : tile->ny * tile->dy;
@@ -81,22 +78,20 @@ static int64_t wrap(int64_t i, int n)
     return rest < 0 ? rest + n : rest;
 }
 
-/* Returns the height of sample (i, j) of a heightmap repeated over the plane: any i and j are allowed. */
 double cml_tile_height(const struct cml_heightmap *tile, int64_t i, int64_t j)
 {
     return tile->h[wrap(j, tile->ny) * tile->nx + wrap(i, tile->nx)];
 }
 
-/* Tells which diagonal cuts cell (i, j). Diagonals alternate from cell to cell, as in the finest
- * triangulation of heightmap_split.c. They do not alternate across a seam between periods with an odd number
- * of cells. */
+/* Diagonals alternate from cell to cell, as in the finest triangulation of heightmap_split.c, but not across
+ * a seam between periods with an odd number of cells. */
 bool cml_tile_rises(const struct cml_heightmap *tile, int64_t i, int64_t j)
 {
     return (wrap(i, tile->nx) + wrap(j, tile->ny)) % 2 == 0;
 }
 
-/* Computes the mean height of a tile as a sum over its cells. Both triangles of a cell have the two ends of
- * its diagonal as corners, and each triangle has one of the cell's other corners. */
+/* Both triangles of a cell have the two ends of its diagonal as corners, and each has one of the other
+ * corners. */
 double cml_tile_mean(const struct cml_heightmap *tile)
 {
     double sum = 0;
@@ -148,7 +143,6 @@ static void place_triangles(const struct cml_heightmap *tile, const struct cml_t
         }
 }
 
-/* Makes a mesh of a rectangle of cells, with two triangles for each cell. */
 cml_status cml_tile_sheet(const struct cml_heightmap *tile, const struct cml_tile_cells *cells,
                           enum cml_normals normals, struct cml_mesh *mesh, struct cml_error *err)
 {
@@ -177,8 +171,6 @@ cml_status cml_tile_patch(const struct cml_heightmap *tile, const struct cml_til
     return status;
 }
 
-/* Returns the cells of the patch that queries search: one period with a margin on each side, and at least
- * LEAST_WIDTH cells in x and y. */
 struct cml_tile_cells cml_tile_patch_cells(const struct cml_heightmap *tile)
 {
     const int n[2] = {tile->nx, tile->ny};
@@ -222,9 +214,8 @@ static void keep_closest(double upper, double lower, double x, double y, double 
     at[2] = upper;
 }
 
-/* Finds where two tiles come closest; false if their grids differ. Corners and middles of cells are enough:
- * both tiles are linear over the same half cells or, where their diagonals differ, over the same quarters of
- * cells. */
+/* Corners and middles of cells are enough: both tiles are linear over the same half cells or, where their
+ * diagonals differ, over the same quarters of cells. */
 bool cml_tile_closest(const struct cml_heightmap *upper, double z_upper, const struct cml_heightmap *lower,
                       double z_lower, double *gap, double at[3])
 {

@@ -16,16 +16,13 @@ static cml_status make_mesh(const double origin[2], const struct cml_scene_body 
                             enum cml_mesh_search search, struct cml_body_surface *surface,
                             struct cml_error *err)
 {
-    struct cml_mesh mesh;
+    CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
     CML_TRY(cml_mesh_copy(&body->mesh, &mesh, err));
     for (size_t i = 0; i < mesh.num_vertices; i++) mesh.vertex[i][2] -= depth;
     mesh.lower[2] -= depth;
     mesh.upper[2] -= depth;
     mesh.z_border -= depth;
-    const cml_status status =
-        cml_mesh_surface_create(&mesh, origin[0], origin[1], search, &surface->mesh, err);
-    cml_mesh_clear(&mesh);
-    return status;
+    return cml_mesh_surface_create(&mesh, origin[0], origin[1], search, &surface->mesh, err);
 }
 
 /* Smallest half width of a body, in steps of single precision at its largest coordinate. From this size on,
@@ -36,7 +33,7 @@ static cml_status make_mesh(const double origin[2], const struct cml_scene_body 
 /* Finds half the smallest width of the boxes around the parts of a mesh, cm. */
 static cml_status size_of_parts(const struct cml_mesh *mesh, double *size, struct cml_error *err)
 {
-    double(*box)[2][3] = malloc(mesh->num_parts * sizeof *box);
+    CML_FREED double(*box)[2][3] = malloc(mesh->num_parts * sizeof *box);
     if (!box) return cml_fail_memory(err, (double)(mesh->num_parts * sizeof *box), "the parts of a body");
     for (size_t k = 0; k < mesh->num_parts; k++)
         for (int i = 0; i < 3; i++)
@@ -51,7 +48,6 @@ static cml_status size_of_parts(const struct cml_mesh *mesh, double *size, struc
     *size = INFINITY;
     for (size_t k = 0; k < mesh->num_parts; k++)
         for (int i = 0; i < 3; i++) *size = fmin(*size, 0.5 * (box[k][1][i] - box[k][0][i]));
-    free(box);
     return CML_OK;
 }
 
@@ -107,23 +103,16 @@ static cml_status make_tree(const struct cml_scene *scene, struct cml_body_surfa
                             struct cml_error *err)
 {
     const size_t n = (size_t)scene->num_bodies;
-    double(*boxes)[2][3] = malloc(n * sizeof *boxes);
-    int *host = malloc(n * sizeof *host);
-    cml_status status = CML_OK;
-    if (!boxes || !host) {
-        status = cml_fail_memory(err, (double)(n * sizeof *boxes), "the tree of bodies");
-    } else {
-        for (size_t k = 0; k < n; k++) {
-            cml_vec3_copy(surfaces->item[k].lower, boxes[k][0]);
-            cml_vec3_copy(surfaces->item[k].upper, boxes[k][1]);
-            host[k] = scene->bodies[k].host;
-        }
-        status = cml_body_tree_create((const double(*)[2][3])boxes, host, (int)n,
-                                      scene->num_layers + 2 + (int)n, &surfaces->tree, err);
+    CML_FREED double(*boxes)[2][3] = malloc(n * sizeof *boxes);
+    CML_FREED int *host = malloc(n * sizeof *host);
+    if (!boxes || !host) return cml_fail_memory(err, (double)(n * sizeof *boxes), "the tree of bodies");
+    for (size_t k = 0; k < n; k++) {
+        cml_vec3_copy(surfaces->item[k].lower, boxes[k][0]);
+        cml_vec3_copy(surfaces->item[k].upper, boxes[k][1]);
+        host[k] = scene->bodies[k].host;
     }
-    free(boxes);
-    free(host);
-    return status;
+    return cml_body_tree_create((const double(*)[2][3])boxes, host, (int)n, scene->num_layers + 2 + (int)n,
+                                &surfaces->tree, err);
 }
 
 /* Makes the grids. `depths` is indexed by layer, but the grids need depths by medium: a body has the frame of
@@ -132,14 +121,12 @@ static cml_status make_grids(const struct cml_scene *scene, const double origin[
                              struct cml_body_surfaces *surfaces, struct cml_error *err)
 {
     const size_t media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies;
-    double *depth = calloc(media, sizeof *depth);
+    CML_FREED double *depth = calloc(media, sizeof *depth);
     if (!depth) return cml_fail_memory(err, (double)(media * sizeof *depth), "the bounds of bodies");
     for (int l = 1; l <= scene->num_layers; l++) depth[l] = depths[l - 1];
     for (int k = 0; k < scene->num_bodies; k++)
         depth[cml_body_medium(scene, k)] = depths[scene->bodies[k].layer - 1];
-    const cml_status status = cml_body_grids_create(scene, origin, depth, &surfaces->grids, err);
-    free(depth);
-    return status;
+    return cml_body_grids_create(scene, origin, depth, &surfaces->grids, err);
 }
 
 /* Makes the surfaces, the trees and the grids of the scene's bodies. After a failure *surfaces must be
@@ -189,8 +176,6 @@ static cml_status create_tessellated(const struct cml_scene *scene, const double
     return status;
 }
 
-/* Makes the surfaces of all bodies, as queries search them. tolerance > 0 replaces spheres and cylinders by
- * meshes. Scenes of a sweep share the result, hence the count of users. */
 cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double origin[2],
                                     const double *depths, double tolerance, enum cml_mesh_search search,
                                     struct cml_body_surfaces *surfaces, struct cml_error *err)
@@ -208,31 +193,25 @@ cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double 
     return status;
 }
 
-/* Shares the surfaces of another scene that has the same bodies; they are freed with the last user. */
 void cml_body_surfaces_share(const struct cml_body_surfaces *from, struct cml_body_surfaces *surfaces)
 {
     *surfaces = *from;
     cml_share(surfaces->users);
 }
 
-/* Frees the surfaces, the trees and the grids. */
-static void free_own(struct cml_body_surfaces *surfaces)
-{
-    for (int k = 0; surfaces->item && k < surfaces->count; k++) cml_mesh_surface_free(surfaces->item[k].mesh);
-    free(surfaces->item);
-    cml_body_tree_clear(&surfaces->tree);
-    cml_body_grids_clear(&surfaces->grids);
-}
-
-/* Frees the surfaces of bodies, unless another scene shares them. */
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces)
 {
-    if (cml_share_end(surfaces->users)) free_own(surfaces);
+    if (cml_share_end(surfaces->users)) {
+        for (int k = 0; surfaces->item && k < surfaces->count; k++)
+            cml_mesh_surface_free(surfaces->item[k].mesh);
+        free(surfaces->item);
+        cml_body_tree_clear(&surfaces->tree);
+        cml_body_grids_clear(&surfaces->grids);
+    }
     *surfaces = (struct cml_body_surfaces){0};
 }
 
-/* Returns the area of a facet of a body, cm2. A sphere has one facet; a cylinder has three: facet 0 is its
- * side, the others are its ends. */
+/* A sphere has one facet; a cylinder has three: facet 0 is its side, the others are its ends. */
 double cml_body_facet_area(const struct cml_body_surface *surface, const struct cml_scene_body *body,
                            size_t facet)
 {

@@ -45,7 +45,7 @@ static void box_of(const struct builder *b, const int *bodies, int count, struct
 static cml_status sort_bodies(const struct builder *b, const struct cml_body_tree_node *node, int *bodies,
                               int count, struct cml_error *err)
 {
-    struct key *keys = malloc((size_t)count * sizeof *keys);
+    CML_FREED struct key *keys = malloc((size_t)count * sizeof *keys);
     int axis = 0;
     if (!keys) return cml_fail_memory(err, (double)((size_t)count * sizeof *keys), "the tree of bodies");
     for (int k = 1; k < 3; k++)
@@ -54,7 +54,6 @@ static cml_status sort_bodies(const struct builder *b, const struct cml_body_tre
         keys[i] = (struct key){b->boxes[bodies[i]][0][axis] + b->boxes[bodies[i]][1][axis], bodies[i]};
     qsort(keys, (size_t)count, sizeof *keys, compare_keys);
     for (int i = 0; i < count; i++) bodies[i] = keys[i].body;
-    free(keys);
     return CML_OK;
 }
 
@@ -104,21 +103,18 @@ static cml_status build_all(const struct builder *b, int num_bodies, int num_med
     return CML_OK;
 }
 
-/* Builds a search tree of bodies for every medium, over the bodies that lie directly in that medium. */
 cml_status cml_body_tree_create(const double (*boxes)[2][3], const int *host, int num_bodies, int num_media,
                                 struct cml_body_tree *tree, struct cml_error *err)
 {
     const size_t n = (size_t)num_bodies, media = (size_t)num_media;
-    struct builder b = {boxes, host, malloc((n + 1) * sizeof *b.index), tree};
+    CML_FREED int *index = malloc((n + 1) * sizeof *index);
+    const struct builder b = {boxes, host, index, tree};
     tree->count = 0;
     tree->node = malloc((2 * n + 1) * sizeof *tree->node);
     tree->first = malloc((media + 1) * sizeof *tree->first);
-    cml_status status = CML_OK;
-    if (!b.index || !tree->node || !tree->first)
-        status = cml_fail_memory(err, (double)(2 * n * sizeof *tree->node), "the tree of bodies");
-    if (status == CML_OK) status = build_all(&b, num_bodies, num_media, err);
-    free(b.index);
-    return status;
+    if (!index || !tree->node || !tree->first)
+        return cml_fail_memory(err, (double)(2 * n * sizeof *tree->node), "the tree of bodies");
+    return build_all(&b, num_bodies, num_media, err);
 }
 
 void cml_body_tree_clear(struct cml_body_tree *tree)

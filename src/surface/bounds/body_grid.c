@@ -1,6 +1,7 @@
 /* Fills the grids of cubes around bodies: distances, patches and balls. SPDX-License-Identifier: MIT */
 #include "surface/bounds/body_grid.h"
 
+#include "base/array.h"
 #include "geometry/vec3.h"
 #include "scene/body/body_shape.h"
 #include "types.h"
@@ -33,10 +34,21 @@ struct filling {
                        surfaces pass; squared at first */
     struct cml_body_patch *patch;
     int *next;                /* next occupied cell in the row of each cell, from cml_patch_rows */
-    struct cell_facet *facet; /* [num_facets] facets near the cells, with room for more */
-    size_t num_facets, room;
-    bool out_of_memory;
+    struct cell_facet *facet; /* [num_facets] facets near the cells */
+    size_t num_facets;
+    cml_status status; /* status of storing facets; a failure ends it */
+    struct cml_error *err;
 };
+
+/* Frees the arrays of a layer whose cells have been filled. */
+static void clear_filling(struct filling *f)
+{
+    free(f->closest);
+    free(f->far);
+    free(f->patch);
+    free(f->next);
+    free(f->facet);
+}
 
 /* A facet that comes within CML_CELL_REACH of a cell's middle. */
 struct cell_facet {
@@ -81,15 +93,10 @@ static void cell_middle(const struct filling *f, int x, int y, int z, double mid
  * heights along this normal. */
 static void add_facet(struct filling *f, size_t cell, int body, size_t triangle)
 {
-    if (f->num_facets == f->room) {
-        const size_t room = 2 * f->room + 1024;
-        struct cell_facet *facet = realloc(f->facet, room * sizeof *facet);
-        f->out_of_memory = f->out_of_memory || !facet;
-        if (!facet) return;
-        f->facet = facet;
-        f->room = room;
-    }
-    f->facet[f->num_facets++] = (struct cell_facet){cell, triangle, body};
+    if (f->status == CML_OK)
+        f->status =
+            cml_array_grow(&f->facet, f->num_facets, sizeof *f->facet, "the bounds of bodies", f->err);
+    if (f->status == CML_OK) f->facet[f->num_facets++] = (struct cell_facet){cell, triangle, body};
 }
 
 /* A body, or a triangle of its mesh. */
@@ -275,28 +282,20 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_ball *ball,
 {
     const int *n = f->cells->n;
     const size_t longest = (size_t)n[0] + (size_t)n[1] + (size_t)n[2], count = cells_of(f->cells);
+    const struct cml_body_range bodies = cml_layer_bodies(f->scene, layer);
     f->closest = malloc(count * sizeof *f->closest);
     f->far = malloc((count + longest) * sizeof *f->far);
     f->patch = malloc(count * sizeof *f->patch);
     f->next = malloc(count * sizeof *f->next);
-    f->out_of_memory = !f->closest || !f->far || !f->patch || !f->next;
-    if (!f->out_of_memory) {
-        const struct cml_body_range bodies = cml_layer_bodies(f->scene, layer);
-        prepare_cells(f);
-        for (int k = bodies.first; k < bodies.end; k++) add_body(f, k);
-    }
-    if (!f->out_of_memory) {
-        make_mesh_patches(f);
-        find_distances(f);
-        make_balls(f, ball);
-    }
-    free(f->closest);
-    free(f->far);
-    free(f->patch);
-    free(f->next);
-    free(f->facet);
-    if (!f->out_of_memory) return CML_OK;
-    return cml_fail_memory(err, (double)(count * sizeof *f->patch), "the bounds of bodies");
+    if (!f->closest || !f->far || !f->patch || !f->next)
+        return cml_fail_memory(err, (double)(count * sizeof *f->patch), "the bounds of bodies");
+    prepare_cells(f);
+    for (int k = bodies.first; k < bodies.end; k++) add_body(f, k);
+    CML_TRY(f->status);
+    make_mesh_patches(f);
+    find_distances(f);
+    make_balls(f, ball);
+    return CML_OK;
 }
 
 /* Returns the shortest mean free path in a layer and its bodies, cm. */
@@ -372,7 +371,6 @@ static cml_status find_media(const struct cml_scene *scene, struct cml_body_grid
     return cml_fail_memory(err, grids->count * (double)sizeof *grids->item, "the bounds of bodies");
 }
 
-/* Lays out the grid of each layer that has bodies, then fills all grids with balls in one array. */
 cml_status cml_body_grids_create(const struct cml_scene *scene, const double origin[2], const double *depths,
                                  struct cml_body_grids *grids, struct cml_error *err)
 {
@@ -392,7 +390,8 @@ cml_status cml_body_grids_create(const struct cml_scene *scene, const double ori
     for (int l = 1; l <= scene->num_layers; l++) {
         if (grids->of_medium[l] < 0) continue;
         const struct cml_body_cells *cells = &grids->item[grids->of_medium[l]];
-        struct filling f = {.scene = scene, .depth = depths[l], .cells = cells};
+        CML_AT_END(clear_filling)
+        struct filling f = {.scene = scene, .depth = depths[l], .cells = cells, .err = err};
         CML_TRY(fill(&f, l, grids->ball + cells->first, err));
     }
     return CML_OK;

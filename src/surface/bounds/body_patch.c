@@ -60,8 +60,8 @@ static void add_cylinder(int body, const struct cml_convex *cylinder, const doub
         add_round(body, d, r, patch);
 }
 
-/* Adds a sphere or cylinder to what is known about the neighbourhood of a cell. A cell with a second body
- * becomes mixed: packets there must ask the bodies themselves. Lengths are stored in widths of the cell. */
+/* A cell with a second body becomes mixed: packets there must ask the bodies themselves. Lengths are stored
+ * in widths of the cell. */
 void cml_patch_add_convex(int body, const struct cml_convex *convex, const double p[3], double cell,
                           struct cml_body_patch *patch)
 {
@@ -79,7 +79,7 @@ void cml_patch_add_convex(int body, const struct cml_convex *convex, const doubl
     add_round(body, d, convex->radius / cell, patch);
 }
 
-/* Adds a facet to the mean normal, weighted by its area, but at most by the area that a cell can hold. */
+/* The weight is the facet's area, but at most the area that a cell can hold. */
 void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_patch *patch)
 {
     double normal[3];
@@ -112,8 +112,7 @@ static inline void heights_over(double cosine, double distance, double lower, do
     range[1] = cml_larger(cosine * lower, cosine * upper) + aside;
 }
 
-/* Extends the two planes of a cell's patch so that a facet lies between them: by the heights of the facet's
- * corners or, if smaller, of the facet's plane within reach of the cell. */
+/* The heights are those of the facet's corners or, if smaller, of its plane within reach of the cell. */
 void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch)
 {
     double normal[3], range[2], low = INFINITY, high = -INFINITY;
@@ -145,8 +144,7 @@ struct neighbour {
     double way[3], square;
 };
 
-/* Finds for each cell of a grid the next cell in its row, in the direction of x, that a surface may pass;
- * n[0] if none follows. Packets skip the cells between. */
+/* Packets skip the cells before the next one. */
 void cml_patch_rows(const int n[3], const struct cml_body_patch *patch, const float *distance, int *next)
 {
     for (size_t row = 0; row < (size_t)n[2] * (size_t)n[1]; row++)
@@ -260,9 +258,9 @@ static struct cml_body_ball ball_of_view(const struct view *view, double radius)
     return ball;
 }
 
-/* Returns the best ball around the middle of cell `at`. A ball that contains a surface is good if it is large
- * and its planes are close together. A ball without a surface wins against a ball that is no better. Large
- * balls are tried first, because few other balls must then be computed. */
+/* A ball that contains a surface is good if it is large and its planes are close together. A ball without a
+ * surface wins against a ball that is no better. Large balls are tried first, because few other balls must
+ * then be computed. */
 struct cml_body_ball cml_body_ball_of(const int n[3], const struct cml_body_patch *patch,
                                       const float *distance, const int *next, const int at[3])
 {

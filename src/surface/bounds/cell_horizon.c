@@ -181,16 +181,13 @@ static void find_horizons(const struct cml_depth_pyramid *pyramid, const float *
         }
 }
 
-/* Computes for each cell how steeply a ray must go so that it certainly clears the rest of the boundary:
- * seen from below and from above. steepest: greatest slope of the facets over each cell. */
 cml_status cml_find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest, float *below,
                              float *above, struct cml_error *err)
 {
     const size_t size = 5 * all_cells(pyramid) * sizeof(float);
-    float *scratch = malloc(size);
+    CML_FREED float *scratch = malloc(size);
     if (!scratch) return cml_fail_memory(err, (double)size, "the bounds of a boundary");
     find_horizons(pyramid, steepest, 1, scratch, below);
     find_horizons(pyramid, steepest, -1, scratch, above);
-    free(scratch);
     return CML_OK;
 }

@@ -22,8 +22,6 @@ static const double err_cell = 1e-3;
  * each. */
 static const double err_depth = 1e-5;
 
-/* Returns the number of cells of a level of the map; each level has half as many cells along a side as the
- * one below. */
 size_t cml_depth_map_level_cells(const struct cml_depth_map *map, int level)
 {
     const size_t side = (size_t)(map->size >> level);
@@ -252,24 +250,17 @@ static cml_status find_horizons(struct cml_depth_map *map, const float *steepest
     return cml_find_horizons(&pyramid, steepest, map->horizon[0], map->horizon[1], err);
 }
 
-/* Makes a map of the least and greatest depth of a mesh in square cells, by which most steps see that they
- * stay clear of the mesh. Depths are widened by the rounding of the coordinates. */
 cml_status cml_depth_map_of_mesh(const struct cml_mesh *mesh, struct cml_depth_map *map,
                                  struct cml_error *err)
 {
     const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
-    float *steepest = NULL;
+    CML_FREED float *steepest = NULL;
     CML_TRY(allocate_square((double)mesh->num_triangles, mesh->lower[0], mesh->lower[1], width, map, err));
-    cml_status status = allocate_horizons(map, &steepest, err);
-    if (status == CML_OK) {
-        cover_mesh(mesh, map, steepest);
-        finish(map, err_depth * (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] -
-                                 mesh->lower[2]));
-        status = find_horizons(map, steepest, err);
-    }
-    if (status != CML_OK) cml_depth_map_clear(map);
-    free(steepest);
-    return status;
+    CML_TRY(allocate_horizons(map, &steepest, err));
+    cover_mesh(mesh, map, steepest);
+    finish(map, err_depth *
+                    (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] - mesh->lower[2]));
+    return find_horizons(map, steepest, err);
 }
 
 /* ---- tiles ---- */
@@ -316,38 +307,30 @@ static cml_status cover_tile(const struct cml_heightmap *tile, const int periods
 {
     for (int j = -1; j <= periods[1] * tile->ny; j++) {
         const struct cml_tile_cells row = {{-1, j}, {periods[0] * tile->nx + 2, 1}};
-        struct cml_mesh mesh;
+        CML_AT_END(cml_mesh_clear) struct cml_mesh mesh = {0};
         CML_TRY(cml_tile_sheet(tile, &row, CML_NORMALS_FACET, &mesh, err));
         for (size_t i = 0; i < mesh.num_triangles; i++) {
             const uint32_t *v = mesh.triangle[i];
             const double *corner[3] = {mesh.vertex[v[0]], mesh.vertex[v[1]], mesh.vertex[v[2]]};
             cover_if_inside(map, corner, steepest);
         }
-        cml_mesh_clear(&mesh);
     }
     return CML_OK;
 }
 
-/* Builds the map of a tile: the depths over one or more periods, then the coarser levels, then the horizons.
- */
 cml_status cml_depth_map_of_tile(const struct cml_heightmap *tile, struct cml_depth_map *map,
                                  struct cml_error *err)
 {
     const int periods[2] = {periods_along(tile, 0), periods_along(tile, 1)};
     struct cml_relief relief;
-    float *steepest = NULL;
+    CML_FREED float *steepest = NULL;
     cml_heightmap_measure(tile, tile->h, &relief);
     CML_TRY(allocate_period(tile, periods, map, err));
-    cml_status status = allocate_horizons(map, &steepest, err);
-    if (status == CML_OK) status = cover_tile(tile, periods, map, steepest, err);
-    if (status == CML_OK) {
-        const double width = map->size * fmax(map->cell[0], map->cell[1]);
-        finish(map, err_depth * (width + relief.highest - relief.lowest));
-        status = find_horizons(map, steepest, err);
-    }
-    if (status != CML_OK) cml_depth_map_clear(map);
-    free(steepest);
-    return status;
+    CML_TRY(allocate_horizons(map, &steepest, err));
+    CML_TRY(cover_tile(tile, periods, map, steepest, err));
+    const double width = map->size * fmax(map->cell[0], map->cell[1]);
+    finish(map, err_depth * (width + relief.highest - relief.lowest));
+    return find_horizons(map, steepest, err);
 }
 
 /* ---- rings ---- */
@@ -373,8 +356,7 @@ static void cover_radii(struct cml_depth_map *map, const double *r, const double
     widen_cell(map, cell, 0, last, last);
 }
 
-/* Builds the map of a radial heightfield, with a row of cells from the axis outwards. The last cell extends
- * to infinity. */
+/* The last cell extends to infinity. */
 cml_status cml_depth_map_of_rings(const double *r, const double *z, int n, struct cml_depth_map *map,
                                   struct cml_error *err)
 {

@@ -7,7 +7,8 @@
 #include "geometry/mesh.h"
 #include "scene/scene.h"
 
-/* The pyramid of one surface: all levels one behind the other, level 0 first. */
+/* The pyramid of one surface: all levels one behind the other, level 0 first. The caller clears a map that
+ * the functions below have made, also after a failure. */
 struct cml_depth_map {
     int levels, size;
     enum cml_bounds_form form; /* CML_BOUNDS_RADII: cells in a row from the axis outwards; else cells in a

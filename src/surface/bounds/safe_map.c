@@ -213,26 +213,21 @@ static cml_status make_filling(struct filling *f, struct cml_error *err)
 static void clear_filling(struct filling *f)
 {
     free(f->flat);
-    if (f->tree) cml_boxtree_free(f->tree);
+    cml_boxtree_free(f->tree);
 }
 
-/* Makes a map of how far each point of space is from a mesh, at least, so that short steps need no query.
- * bytes: about how much memory the map may take. */
 cml_status cml_safe_map_create(const struct cml_centred_mesh *centred, double bytes, struct cml_safe_map *map,
                                struct cml_error *err)
 {
-    struct filling f = {.centred = centred, .map = map};
+    CML_AT_END(clear_filling) struct filling f = {.centred = centred, .map = map};
     const double edge = mean_edge(&centred->mesh);
     *map = (struct cml_safe_map){.safe = NULL};
     const size_t cells = lay_out(&centred->mesh, edge, bytes / sizeof *map->safe, map);
-    cml_status status = make_filling(&f, err);
-    map->safe = status == CML_OK ? malloc(cells * sizeof *map->safe) : NULL;
-    if (map->safe)
-        fill(&f);
-    else if (status == CML_OK)
-        status = cml_fail_memory(err, (double)cells * sizeof *map->safe, "safe distances");
-    clear_filling(&f);
-    return status;
+    CML_TRY(make_filling(&f, err));
+    map->safe = malloc(cells * sizeof *map->safe);
+    if (!map->safe) return cml_fail_memory(err, (double)cells * sizeof *map->safe, "safe distances");
+    fill(&f);
+    return CML_OK;
 }
 
 void cml_safe_map_clear(struct cml_safe_map *map)

@@ -5,8 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Extends a cell's depth range to include the depths least..most. Depths are rounded outwards to whole steps.
- * The mesh itself lies within the range of 16 bits. */
+/* The mesh itself lies within the range of 16 bits. */
 void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, double most,
                                 struct cml_grid_mesh_depths *depths)
 {
@@ -24,7 +23,7 @@ static size_t all_slots(const struct cml_grid_mesh *grid)
     return slots;
 }
 
-/* Allocates the levels of a grid, each with a quarter of the cells along an axis, until one tile remains. */
+/* Each level has a quarter of the cells along an axis, until one tile remains. */
 cml_status cml_grid_mesh_lay_out(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid,
                                  struct cml_error *err)
 {
@@ -74,16 +73,13 @@ static void find_mean(struct cml_grid_mesh *grid)
     grid->mean = sum / cells;
 }
 
-/* Fills the coarser levels of cells from the finest one: a cell of a level bounds the depths of the cells it
- * covers. */
 void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid)
 {
     for (int l = 1; l < grid->levels; l++) build_level(&grid->level[l - 1], &grid->level[l]);
     find_mean(grid);
 }
 
-/* Frees the cells over a mesh and leaves an empty structure, which means that there are no cells. The depths
- * of all levels are one block, which begins with level 0. */
+/* The depths of all levels are one block, which begins with level 0. */
 void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
 {
     free(grid->level[0].depths);
@@ -93,8 +89,6 @@ void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
     *grid = (struct cml_grid_mesh){.levels = 0};
 }
 
-/* Returns the memory of the cells over a mesh in bytes: their bounds of depth on all levels, and their lists
- * of facets. */
 double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid)
 {
     if (grid->levels == 0) return 0;

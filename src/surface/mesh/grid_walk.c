@@ -299,8 +299,7 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
     return verdict == MISS && ends_inside && !ends_in_cell ? UNDECIDED : verdict;
 }
 
-/* Walks over the cells below the part of the ray that lies between the mesh's depths. Returns false if the
- * answer is undecided, as for a ray that begins far away or comes from beside the grid and may reach it. */
+/* A ray that begins far away, or comes from beside the grid and may reach it, stays undecided. */
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->centred->upper[0];
@@ -319,8 +318,7 @@ bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
     return traverse_grid(&w, ray) != UNDECIDED;
 }
 
-/* True if the ray starts and ends inside the inner rectangle of the grid, by a margin for rounding. The
- * search over cells then finds every crossing, because the plane outside the mesh is out of reach. */
+/* The search over cells then finds every crossing, because the plane outside the mesh is out of reach. */
 bool cml_grid_walk_covers(const struct cml_grid_mesh *grid, const struct cml_mesh_query *q)
 {
     const double err = err_cover_factor * (q->err_position + q->err_entry);

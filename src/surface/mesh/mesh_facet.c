@@ -49,10 +49,9 @@ static struct chord between_edges(const struct cml_centred_mesh *centred, int pr
     return chord;
 }
 
-/* Returns the distance along a line to its crossing with a facet. At a corner, rounding may make the length
- * of the chord negative. If rounding puts the crossing before `least`, the crossing is put as late as
- * rounding and the facet allow. Otherwise a packet could meet the facet on which it stands again and again.
- */
+/* At a corner, rounding may make the length of the chord negative. If rounding puts the crossing before
+ * `least`, the crossing is put as late as rounding and the facet allow. Otherwise a packet could meet the
+ * facet on which it stands again and again. */
 double cml_facet_crossing(const struct cml_centred_mesh *centred, int primitive, const double from[3],
                           const double direction[3], double least)
 {
@@ -80,8 +79,7 @@ static double distance_to_segment(const double a[3], const double b[3], const do
     return cml_vec3_length(off);
 }
 
-/* Returns the distance of p from the facet's plane if p projects into the facet, else from the nearest
- * edge. */
+/* The distance is that of the facet's plane if p projects into the facet, else of the nearest edge. */
 double cml_facet_distance(const struct cml_centred_mesh *centred, int primitive, const double p[3])
 {
     const double *normal = centred->plane[primitive];

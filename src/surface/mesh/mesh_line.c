@@ -10,7 +10,6 @@
 #include <limits.h>
 #include <math.h>
 
-/* Begins to follow a line: sets its starting point, the path's length and empty winding numbers. */
 void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max,
                     struct cml_line_parts *parts)
 {
@@ -170,9 +169,8 @@ static int parts_around(const struct cml_line_parts *parts, double t)
     return parts->more && t >= parts->item[LOT - 1].t ? INT_MAX : around;
 }
 
-/* Ends a pass over the triangles near a line and says whether another pass is needed. A union of bodies
- * takes several: to collect crossings, to look for crossings behind them, and to look for facets beside the
- * line. Other meshes take one. */
+/* A union of bodies takes several passes: to collect crossings, to look for crossings behind them, and to
+ * look for facets beside the line. Other meshes take one. */
 bool cml_line_goes_on(struct cml_mesh_line *line)
 {
     struct cml_line_parts *parts = line->parts;
@@ -259,9 +257,8 @@ static void add_end(struct cml_mesh_line *line, int primitive, double height)
     line->ends_near_facet = cml_facet_distance(q->centred, primitive, end) <= line->err_line;
 }
 
-/* Adds a facet to what is known of a line: where the line crosses it, and whether the path ends or leaves
- * close to it. Whether the crossing is ahead follows from the exact side of the facet's plane on which the
- * line begins; a rounded distance could not tell. */
+/* The exact side of the facet's plane on which the line begins tells if the crossing is ahead; a rounded
+ * distance could not tell. */
 void cml_line_add(struct cml_mesh_line *line, int primitive)
 {
     const struct cml_mesh_query *q = line->q;
@@ -325,10 +322,9 @@ static bool lies_below(const struct cml_mesh_line *line)
     return ends_below + line->winding_ahead > 0;
 }
 
-/* Decides a doubtful query by all crossings of the whole line. If the packet is on its own side, the first
- * crossing ahead that leaves counts; if rounding has put it beyond a facet, this facet counts, unless it is
- * about to come back. A crossing that the query found at the same place is kept, because it may have the
- * normal of an edge. */
+/* If the packet is on its own side, the first crossing ahead that leaves counts; if rounding has put it
+ * beyond a facet, this facet counts, unless it is about to come back. A crossing that the query found at the
+ * same place is kept, because it may have the normal of an edge. */
 void cml_line_decide(struct cml_mesh_line *line, struct cml_mesh_query *q)
 {
     const double t_max = line->length;

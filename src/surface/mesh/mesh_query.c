@@ -62,8 +62,7 @@ static uint64_t random_number(uint32_t vertex)
     return (x ^ (x >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
 }
 
-/* True if the ray meets a triangle: *t becomes the distance, weight[] the barycentric coordinates. A ray
- * within rounding of an edge hits the triangles on both sides, because exact signs alone would leave
+/* A ray within rounding of an edge hits the triangles on both sides, because exact signs alone would leave
  * pinholes at vertices and along the border. */
 bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, double weight[3])
 {
@@ -89,9 +88,9 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
     return is_ahead(q, *t, along);
 }
 
-/* Keeps a hit if it is the best so far. Facets with a common edge or vertex share a crossing there, at the
- * same place except for rounding. The crossing's normal is the sum of the facets' normals. Its place is
- * computed with the facet of the lowest number, so that the order of finding facets does not matter. */
+/* Facets with a common edge or vertex share a crossing there, at the same place except for rounding. Its
+ * normal is the sum of the facets' normals. Its place is computed with the facet of the lowest number, so
+ * that the order of finding facets does not matter. */
 void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
 {
     const bool on_edge = weight[0] < err_weight || weight[1] < err_weight || weight[2] < err_weight;
@@ -141,9 +140,7 @@ static bool clip_to_slabs(const struct cml_mesh_query *q, double *enter, double 
     return *enter <= *leave;
 }
 
-/* Finds where a ray enters and leaves the mesh's box; false if it misses the box. Later steps compute from
- * the entry point, whose small numbers lose little in single precision. Also sets the bounds of rounding of
- * the entry point and of products of lengths. */
+/* Also sets the bounds of rounding of the entry point and of products of lengths. */
 bool cml_query_clip_ray(struct cml_mesh_query *q, double *leave)
 {
     double enter = 0, size = 0;
@@ -160,8 +157,6 @@ bool cml_query_clip_ray(struct cml_mesh_query *q, double *leave)
     return true;
 }
 
-/* Sets the entry point of a ray for a search in single precision, without bounds of rounding. Returns false
- * if the ray misses the mesh's box. */
 bool cml_query_enter(struct cml_mesh_query *q)
 {
     double leave;
@@ -171,8 +166,6 @@ bool cml_query_enter(struct cml_mesh_query *q)
     return true;
 }
 
-/* Sets the entry point of the whole line, ahead of the origin and behind it; false if the line misses the
- * box. *leave becomes the distance at which the line leaves the box. */
 bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
 {
     q->t_entry = -INFINITY;
@@ -193,8 +186,8 @@ enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, doubl
     return cml_footprint_contains(q->centred->footprint, x, y) ? CML_INSIDE_BORDER : CML_OUTSIDE_BORDER;
 }
 
-/* Intersects the ray with the outer plane. The plane begins within rounding of the border, as the triangles
- * there end: both cover the border, so there is no gap. */
+/* The plane begins within rounding of the border, as the triangles there end: both cover the border, so there
+ * is no gap. */
 void cml_query_intersect_outer_plane(struct cml_mesh_query *q)
 {
     const double uz = q->direction[2];
@@ -288,22 +281,18 @@ static double distance_to_primitive(const struct cml_mesh_query *q, int primitiv
            cml_vec3_dot(q->direction, q->centred->plane[primitive]);
 }
 
-/* Returns the distance along the ray to the plane of a facet. */
 double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive)
 {
     const double *plane = q->centred->plane[primitive];
     return (plane[3] - cml_vec3_dot(q->origin, plane)) / cml_vec3_dot(q->direction, plane);
 }
 
-/* Marks the query as in doubt if the ray starts so close to a facet that rounding hides on which side. */
 void cml_query_test_contact(struct cml_mesh_query *q, int primitive)
 {
     const double *plane = q->centred->plane[primitive];
     if (fabs(plane[3] - cml_vec3_dot(q->origin, plane)) <= q->contact_distance) q->in_doubt = true;
 }
 
-/* Takes a crossing in the inside of a triangle as the best one if it is nearer than the best so far. weight:
- * barycentric coordinates of the crossing. */
 void cml_query_add_inner_hit(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
                              const double weight[3])
 {
@@ -351,8 +340,8 @@ static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
     return weight[0] < err_weight * sum || weight[1] < err_weight * sum || weight[2] < err_weight * sum;
 }
 
-/* Makes the crossing with a primitive the best. Computes its barycentric weights from the areas opposite to
- * the corners. Rounding may put the place beside the facet; a negative area counts as 0. */
+/* Barycentric weights come from the areas opposite to the corners. Rounding may put the place beside the
+ * facet; a negative area counts as 0. */
 void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
 {
     double area[3] = {1, 1, 1}, place[3];
@@ -371,9 +360,8 @@ void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
     for (int k = 0; k < 3; k++) q->weight[k] = area[k] / (area[0] + area[1] + area[2]);
 }
 
-/* Begins a query: where does the ray from p along u first cross the mesh within t_max? exclude: the facet
- * that the packet stands on, or a negative code. A packet that came undeflected through its facet has
- * already met what lies before the facet, so such crossings do not count. */
+/* A packet that came undeflected through its facet has already met what lies before the facet, so such
+ * crossings do not count. */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *centred, const double p[3],
                      const double u[3], int below, double t_max, int exclude, int undeflected,
                      double err_position)
@@ -399,7 +387,6 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_centred_mesh *ce
                    : -err_position;
 }
 
-/* True if rounding may have decided the answer, so that exact arithmetic must decide again. */
 bool cml_query_is_doubtful(const struct cml_mesh_query *q)
 {
     return q->starts_on_edge || q->in_doubt || q->open_edges != 0 ||
@@ -407,8 +394,6 @@ bool cml_query_is_doubtful(const struct cml_mesh_query *q)
            (q->centred->mesh.unite && (q->primitive >= 0 || q->exclude >= 0));
 }
 
-/* Writes the best crossing of a query to *crossing: its place, its primitive and its normals. Returns 0 if
- * there is none. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
                      struct cml_mesh_crossing *crossing)
 {

@@ -314,8 +314,6 @@ static int hit_tile(const struct cml_mesh_surface *surface, const double p[3], c
     return 0;
 }
 
-/* Finds the first crossing of a ray with a mesh; a mesh that is repeated over the plane is searched period
- * by period. */
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                          int below, double t_max, int exclude, int undeflected, int exact,
                          double err_position, struct cml_mesh_crossing *crossing)
@@ -343,13 +341,12 @@ static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double 
     return along > 0 && fabs(t - t_hit) <= reach;
 }
 
-/* Finds the stretch of path lengths from p along u that have the same answer. The tree lists the facets that
- * are close to the line before the hit. Its margin is enlarged by the margin of a path that ends near a
- * facet. Each listed facet must either be left behind where the packet stands or be among the facets hit. The
- * answer then no longer depends on the path's length, unless the path ends within the margin of such a facet.
- * Only its last bits may depend on it: a facet behind the hit can make the query compute the hit in another
- * way. Therefore the hits for the shortest and for an infinite path are compared. If they differ, no stretch
- * is known. */
+/* The tree lists the facets that are close to the line before the hit. Its margin is enlarged by the margin
+ * of a path that ends near a facet. Each listed facet must either be left behind where the packet stands or
+ * be among the facets hit. The answer then no longer depends on the path's length, unless the path ends
+ * within the margin of such a facet. Only its last bits may depend on it: a facet behind the hit can make the
+ * query compute the hit in another way. Therefore the hits for the shortest and for an infinite path are
+ * compared. If they differ, no stretch is known. */
 bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                               int below, int exclude, int undeflected, double err_position,
                               struct cml_mesh_stretch *stretch)
@@ -381,9 +378,9 @@ bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const doub
                       memcmp(&hit, &least_hit, offsetof(struct cml_mesh_crossing, ends_near_facet)) == 0);
 }
 
-/* Returns the grid that vector loops can use, or NULL. They cannot use the cells of a tile, which belong to
- * one copy of the period, nor normals that vary within a facet. They compute eight times a cell's number in
- * 32 bits, so a grid of 2^27 cells is too large. */
+/* Vector loops cannot use the cells of a tile, which belong to one copy of the period, nor normals that vary
+ * within a facet. They compute eight times a cell's number in 32 bits, so a grid of 2^27 cells is too large.
+ * */
 const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
                                                   const struct cml_centred_mesh **centred)
 {
@@ -505,15 +502,13 @@ static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_m
     return status;
 }
 
-/* Makes the surface of a mesh that is not repeated. */
 cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
                                    struct cml_mesh_surface **surface, struct cml_error *err)
 {
     return create(mesh, x0, y0, search, false, surface, err);
 }
 
-/* Makes the surface of a mesh that repeats over the plane. Queries count x and y from (x0, y0), hence the
- * period's corner is moved there. */
+/* Queries count x and y from (x0, y0), hence the period's corner is moved there. */
 cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double y0,
                                         enum cml_mesh_search search, const struct cml_mesh_period *period,
                                         struct cml_mesh_surface **surface, struct cml_error *err)
@@ -525,7 +520,6 @@ cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double
     return CML_OK;
 }
 
-/* Frees a mesh surface with all its search structures; NULL is allowed. */
 void cml_mesh_surface_free(struct cml_mesh_surface *surface)
 {
     if (!surface) return;
@@ -537,7 +531,6 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
     free(surface);
 }
 
-/* Returns the mesh inside a surface. Its vertices count from *middle. */
 const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surface, double middle[3])
 {
     middle[0] = -surface->centred.axis[0];
@@ -546,20 +539,17 @@ const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surf
     return &surface->centred.mesh;
 }
 
-/* Returns the number of triangles that queries can name: those of the mesh, or of one period. */
 uint64_t cml_mesh_surface_primitives(const struct cml_mesh_surface *surface)
 {
     const struct cml_mesh_period *period = &surface->period;
     return period->n[0] ? cml_tile_primitives(period) : surface->centred.mesh.num_triangles;
 }
 
-/* Returns the triangle of the stored mesh that a primitive is: in a repeated mesh, margins come before it. */
 size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t primitive)
 {
     return surface->period.n[0] ? (size_t)cml_tile_triangle(&surface->period, (int)primitive) : primitive;
 }
 
-/* Returns the area of the triangle of a primitive, cm2. */
 double cml_mesh_surface_area(const struct cml_mesh_surface *surface, size_t primitive)
 {
     const struct cml_mesh *mesh = &surface->centred.mesh;
@@ -574,7 +564,6 @@ const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surf
     return &surface->period;
 }
 
-/* Returns the memory of a mesh surface with all its search structures, in bytes. */
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     return (double)surface->embree_bytes + cml_grid_mesh_bytes(&surface->grid) +
@@ -582,7 +571,6 @@ double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
            cml_centred_mesh_bytes(&surface->centred);
 }
 
-/* Returns the map of safe distances of a mesh, or NULL if it has none. */
 const struct cml_safe_map *cml_mesh_surface_map(const struct cml_mesh_surface *surface)
 {
     return surface->map.safe ? &surface->map : NULL;
@@ -593,7 +581,6 @@ const char *cml_mesh_library(void)
     return "Embree " RTC_VERSION_STRING;
 }
 
-/* True if the mesh does not overhang and is searched by cells. */
 bool cml_mesh_surface_is_sheet(const struct cml_mesh_surface *surface)
 {
     return surface->grid.levels > 0;

@@ -1,6 +1,7 @@
 /* Lists the facets above each cell of a sheet, if that pays. SPDX-License-Identifier: MIT */
 #include "surface/mesh/sheet_mesh.h"
 
+#include "base/array.h"
 #include "surface/tree/rounding.h"
 
 #include <math.h>
@@ -20,6 +21,8 @@ static const double most_thin = 1e-2;
 
 /* Number of unused entries behind the last list, so that vector loops may read beyond the list's end. */
 enum { PADDING = 8 };
+
+static const char what[] = "the cells of a sheet"; /* name for messages that memory has run out */
 
 /* A facet seen from above, in cells of the grid. */
 struct shadow {
@@ -41,7 +44,7 @@ struct lists {
     const struct cml_centred_mesh *centred;
     struct cml_grid_mesh *grid;
     struct entry *entry; /* [count] all entries, facet by facet */
-    size_t count, room;
+    size_t count;
     uint32_t *end; /* end of each cell's list */
     float *inside; /* [like grid->listed] `inside` of each listed facet */
 };
@@ -132,23 +135,8 @@ static void list_facet(const struct lists *l, const struct entry *entry)
     grid->listed[k] = entry->facet;
 }
 
-/* Adds an entry, a facet in a cell's list, to the array of all entries. Returns false if memory runs out. */
-static bool add_entry(struct lists *l, struct entry entry)
-{
-    if (l->count == l->room) {
-        const size_t room = 2 * l->room + 1024;
-        struct entry *more = realloc(l->entry, room * sizeof *more);
-        if (!more) return false;
-        l->entry = more;
-        l->room = room;
-    }
-    l->entry[l->count++] = entry;
-    return true;
-}
-
-/* Adds a facet to all cells below it: an entry, the count and the depths of each cell. Returns false if
- * memory runs out. */
-static bool enter_facet(struct lists *l, size_t facet)
+/* Adds a facet to all cells below it: an entry, the count and the depths of each cell. */
+static cml_status enter_facet(struct lists *l, size_t facet, struct cml_error *err)
 {
     const struct shadow s = shadow_of(l, facet);
     for (int j = s.first[1]; j <= s.last[1]; j++)
@@ -156,11 +144,12 @@ static bool enter_facet(struct lists *l, size_t facet)
             const size_t cell = cml_grid_mesh_index(&l->grid->level[0], i, j);
             const float inside = middle_inside(&s, i, j);
             if (!(inside > -INFINITY)) continue;
-            if (!add_entry(l, (struct entry){(uint32_t)cell, (uint32_t)facet, inside})) return false;
+            CML_TRY(cml_array_grow(&l->entry, l->count, sizeof *l->entry, what, err));
+            l->entry[l->count++] = (struct entry){(uint32_t)cell, (uint32_t)facet, inside};
             l->grid->first[cell]++;
             widen_cell(l, &s, i, j);
         }
-    return true;
+    return CML_OK;
 }
 
 /* Lays square cells over the mesh's box in x and y, so that there are about cells_per_facet cells for each
@@ -244,19 +233,12 @@ static bool faces_up(const struct cml_centred_mesh *centred)
     return true;
 }
 
-/* Reports that memory for the cells ran out. Returns CML_E_INPUT. */
-static cml_status fail(double bytes, struct cml_error *err)
-{
-    return cml_fail_memory(err, bytes, "the cells of a sheet");
-}
-
 /* Enters every facet into the lists of the cells below it. Stops when the mean length of a list exceeds
  * longest_list; the mean in which long lists count more often then exceeds it, too. */
 static cml_status enter_facets(struct lists *l, bool *short_enough, struct cml_error *err)
 {
     const double most = longest_list * (double)cml_grid_mesh_slots(&l->grid->level[0]);
-    for (size_t i = 0; i < l->grid->facets && (double)l->count <= most; i++)
-        if (!enter_facet(l, i)) return fail((double)l->room * sizeof *l->entry, err);
+    for (size_t i = 0; i < l->grid->facets && (double)l->count <= most; i++) CML_TRY(enter_facet(l, i, err));
     *short_enough = (double)l->count <= most && l->count < UINT32_MAX;
     return CML_OK;
 }
@@ -276,14 +258,6 @@ static double join_lists(const struct lists *l)
     return squares / (double)l->count;
 }
 
-/* Allocates the counts of facets per cell, which later become the places of the lists. */
-static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *err)
-{
-    const size_t cells = cml_grid_mesh_slots(&grid->level[0]);
-    grid->first = calloc(cells + 1, sizeof *grid->first);
-    return grid->first ? CML_OK : fail(4 * (double)cells, err);
-}
-
 /* Fills the lists of facets of all cells, and the data of each facet. Adds to *thin the number of facets that
  * are too thin for float. */
 static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *err)
@@ -295,7 +269,7 @@ static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *er
     l->end = malloc(cells * sizeof *l->end);
     l->inside = malloc(listed * sizeof *l->inside);
     if (!grid->listed || !grid->facet || !l->end || !l->inside)
-        return fail(8.0 * (double)listed + 64.0 * (double)grid->facets, err);
+        return cml_fail_memory(err, 8.0 * (double)listed + 64.0 * (double)grid->facets, what);
     memcpy(l->end, grid->first, cells * sizeof *l->end);
     for (size_t i = 0; i < l->count; i++) list_facet(l, &l->entry[i]);
     for (size_t i = 0; i < grid->facets; i++) *thin += !fill_facet(l->centred, grid, i);
@@ -310,7 +284,9 @@ static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
     size_t thin = 0;
     bool short_enough = false;
     CML_TRY(cml_grid_mesh_lay_out(l->centred, l->grid, err));
-    CML_TRY(allocate_counts(l->grid, err));
+    const size_t cells = cml_grid_mesh_slots(&l->grid->level[0]);
+    l->grid->first = calloc(cells + 1, sizeof *l->grid->first);
+    if (!l->grid->first) return cml_fail_memory(err, 4 * (double)cells, what);
     CML_TRY(enter_facets(l, &short_enough, err));
     if (!short_enough || join_lists(l) > longest_list) return CML_OK;
     CML_TRY(fill_lists(l, &thin, err));
@@ -320,8 +296,6 @@ static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
     return CML_OK;
 }
 
-/* Lays a grid of cells over a mesh that does not overhang, so that a ray need only look at cells that it
- * passes. No cells are made if their lists of facets would be so long that the grid does not pay. */
 cml_status cml_sheet_mesh_find(const struct cml_centred_mesh *centred, struct cml_grid_mesh *grid,
                                struct cml_error *err)
 {

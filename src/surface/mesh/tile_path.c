@@ -20,14 +20,11 @@ static int wrap(int i, int n)
     return rest < 0 ? rest + n : rest;
 }
 
-/* Returns the number of triangles of one period: two for each cell. */
 uint64_t cml_tile_primitives(const struct cml_mesh_period *period)
 {
     return 2 * (uint64_t)period->n[0] * (uint64_t)period->n[1];
 }
 
-/* Returns the primitive of one period that a triangle of the patch repeats; -1 for a triangle of the skirt
- * around the patch. Each cell has two triangles, and the patch has margins around the period. */
 int cml_tile_primitive(const struct cml_mesh_period *period, int triangle)
 {
     const int width = width_of(period), cell = triangle / 2, row = cell / width;
@@ -37,8 +34,6 @@ int cml_tile_primitive(const struct cml_mesh_period *period, int triangle)
     return 2 * (j * period->n[0] + i) + triangle % 2;
 }
 
-/* Returns the triangle of the patch that is a primitive of the period itself, and not one of the copies
- * around it. */
 int cml_tile_triangle(const struct cml_mesh_period *period, int primitive)
 {
     const int cell = primitive / 2, i = cell % period->n[0], j = cell / period->n[0];
@@ -90,9 +85,8 @@ static bool clip_to_depths(struct cml_tile_path *path, double low, double high)
     return path->from < path->end;
 }
 
-/* Begins a path over a repeated mesh; false if the path stays above or below the mesh. Most paths are short
- * and end over the copy where they begin, so only a path that leaves its first copy is clipped to the mesh's
- * depths. */
+/* Most paths are short and end over the copy where they begin, so only a path that leaves its first copy is
+ * clipped to the mesh's depths. */
 bool cml_tile_begin(const struct cml_mesh_period *period, const double p[3], const double u[3], double t_max,
                     int exclude, double low, double high, struct cml_tile_path *path)
 {
@@ -105,8 +99,6 @@ bool cml_tile_begin(const struct cml_mesh_period *period, const double p[3], con
     return true;
 }
 
-/* Goes to the next segment of a path that crosses several periods of a tile. The segments overlap a little,
- * so that no crossing is lost between them. Returns false when the path is at its end. */
 bool cml_tile_next(struct cml_tile_path *path)
 {
     if (path->leaving < 0 || path->segments >= CML_TILE_MOST_SEGMENTS) return false;
@@ -116,7 +108,6 @@ bool cml_tile_next(struct cml_tile_path *path)
     return true;
 }
 
-/* True if a path over a tile was given up, because it crosses too many periods. */
 bool cml_tile_is_too_long(const struct cml_tile_path *path)
 {
     return path->leaving >= 0 && path->segments >= CML_TILE_MOST_SEGMENTS;

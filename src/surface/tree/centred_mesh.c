@@ -65,8 +65,6 @@ static cml_status find_planes(struct cml_centred_mesh *centred, struct cml_error
     return CML_OK;
 }
 
-/* Moves a mesh so that its middle becomes the origin, where coordinates are smallest and lose least in
- * single precision. Takes over the mesh. */
 cml_status cml_centred_mesh_create(struct cml_mesh *mesh, double x0, double y0,
                                    struct cml_centred_mesh *centred, struct cml_error *err)
 {
@@ -81,7 +79,7 @@ cml_status cml_centred_mesh_create(struct cml_mesh *mesh, double x0, double y0,
 void cml_centred_mesh_clear(struct cml_centred_mesh *centred)
 {
     free(centred->plane);
-    if (centred->footprint) cml_footprint_free(centred->footprint);
+    cml_footprint_free(centred->footprint);
     cml_mesh_clear(&centred->mesh);
     *centred = (struct cml_centred_mesh){0};
 }

@@ -18,14 +18,11 @@ struct cut {
     double cost;
 };
 
-/* Returns an empty box, which grows when other boxes are added: lower sides +infinity, upper sides
- * -infinity. */
 struct cml_facet_box cml_facet_box_none(void)
 {
     return (struct cml_facet_box){{INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY}, 0};
 }
 
-/* Enlarges a box to include another one. at: three lower sides, then three upper ones. */
 void cml_facet_box_widen(struct cml_facet_box *box, const struct cml_facet_box *other)
 {
     for (int k = 0; k < 3; k++) {
@@ -34,8 +31,7 @@ void cml_facet_box_widen(struct cml_facet_box *box, const struct cml_facet_box *
     }
 }
 
-/* Returns half of the surface of a box, cm2: the chance that a ray meets a box is proportional to it. at:
- * lower corner, then upper corner. */
+/* The chance that a ray meets a box is proportional to this area. */
 float cml_facet_box_area(const struct cml_facet_box *box)
 {
     const float x = box->at[3] - box->at[0], y = box->at[4] - box->at[1], z = box->at[5] - box->at[2];
@@ -128,8 +124,7 @@ static size_t part(struct cml_facet_box *box, size_t count, const struct cut *cu
     return low;
 }
 
-/* Divides facets into two groups for the two branches of a tree, where the expected cost of a search is
- * least. If all boxes have one centre, the halves are equal. Returns the size of the first group. */
+/* If all boxes have one centre, the halves are equal. */
 size_t cml_facet_split(struct cml_facet_box *box, size_t count, size_t leaf)
 {
     struct cut best = {.cost = INFINITY};

@@ -18,8 +18,6 @@ extern const struct cml_tree_level cml_tree_base;
 extern const struct cml_tree_level cml_tree_v3, cml_tree_v4;
 #endif
 
-/* Lists the compiled versions of the search that this processor can run, the fastest first. Returns their
- * number. */
 int cml_tree_levels(const struct cml_tree_level *levels[CML_TREE_LEVELS])
 {
     int count = 0;
@@ -236,8 +234,6 @@ static cml_status build(struct builder *b, struct cml_error *err)
     return move(&b->leaves, b->leaves.count, err);
 }
 
-/* Builds the search tree of a mesh. plane: the plane equation of each facet; margin: the rounding of a
- * search in single precision, cm. Facets flatter than the margin are always in doubt. */
 cml_status cml_facet_tree_create(const struct cml_mesh *mesh, const double (*plane)[4], double margin,
                                  struct cml_facet_tree *tree, struct cml_error *err)
 {

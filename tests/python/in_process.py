@@ -221,6 +221,33 @@ class InProcess(unittest.TestCase):
             print(f"an interrupt ended the {name} after {time.monotonic() - begin - 0.7:.2f} s", file=sys.stderr)
         self.same(mc.run(sample("fig5"), photons=1000), self.of_program(sample("fig5"), "--photons", "1000"))
 
+    def test_a_function_stops_a_flight(self):
+        """progress=function stops a run or sweep in any thread, by library and by program, and passes on what it raises; runs beside it go on."""
+        stop, results = threading.Event(), []
+        beside = threading.Thread(target=lambda: results.append(bits(mc.run(sample("fig5"), photons=2e5, threads=1))))
+
+        def fly_on():
+            with self.assertRaises(mc.ClustermcmlError) as stopped:
+                mc.run(sample("thick"), photons=1e13, threads=1, progress=lambda *_: stop.is_set())
+            results.append(stopped.exception.exit_code)
+        endless = threading.Thread(target=fly_on)
+        beside.start()
+        endless.start()
+        beside.join()
+        self.assertEqual(results, [bits(mc.run(sample("fig5"), photons=2e5))])
+        stop.set()
+        endless.join()
+        self.assertEqual(results[1:], [75])
+        with tempfile.TemporaryDirectory() as folder:
+            for place in ({}, {"output_dir": folder}):
+                for work in (mc.run, lambda scene, **more: mc.sweep(scene, {"layer1.mua": [1, 2]}, **more)):
+                    with self.subTest(place=place, work=work), self.assertRaisesRegex(OSError, "full"):
+                        work(sample("thick"), threads=1, photons=1e13 if work is mc.run or not place else 1e4, progress=self.fails, **place)
+
+    @staticmethod
+    def fails(percent, text):
+        raise OSError(f"full at {percent} %, {text}")
+
     def test_memory(self):
         """Flights leave nothing behind."""
         loaded = library.find(find_program(), [])

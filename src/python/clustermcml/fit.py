@@ -26,7 +26,7 @@ from .least_squares import TINY, correlation, jacobian, lagrange, minimum, root,
 from .measured import PROFILES, SPHERES, TOTALS, Data, read_measured
 from .options import FitOptions, Path, option_words, shown
 from .program import fly
-from .progress import Progress
+from .progress import Progress, Wanted
 from .relit import told_of
 from .scene import Scene, Text
 from .scene_files import scratch_folder
@@ -456,7 +456,7 @@ def _words(names: list[str], u: Any, low: Any, high: Any, found: _Solution, data
 
 @shown
 def fit(scene: Union[Scene, Path], parameters: Mapping[str, tuple[float, float]], measured: Mapping[str, Any], *, media: Optional[Callable[..., Media]] = None,
-        wavelengths: Optional[npt.ArrayLike] = None, sphere: Optional[Mapping[str, Any]] = None, flights: int = 6, progress: Optional[bool] = None,
+        wavelengths: Optional[npt.ArrayLike] = None, sphere: Optional[Mapping[str, Any]] = None, flights: int = 6, progress: Wanted = None,
         **options: Unpack[FitOptions]) -> Fit:
     """Fits absorption and scattering of layers and bodies, or parameters of media over wavelength, to measurements, by least squares.
 

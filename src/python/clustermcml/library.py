@@ -168,8 +168,8 @@ class Runs:
         run, cancelled = ctypes.c_void_p(), threading.Event()
 
         def show(_: object, done: int, total: int, seconds: float) -> int:
-            if 0 < done < total and seconds > 0:
-                progress.show(100 * done // total, f"{done / seconds:.3g} photons/s, {seconds * (total - done) / done:.0f} s left")
+            if 0 < done < total and seconds > 0 and progress.show(100 * done // total, f"{done / seconds:.3g} photons/s, {seconds * (total - done) / done:.0f} s left"):
+                cancelled.set()
             return cancelled.is_set()
         shown = _Progress(show)
         self._call(self.dll.clm_run_open, self.scene, 0, _words(words), ctypes.byref(run))
@@ -187,14 +187,15 @@ class Runs:
         failed: list[BaseException] = []
 
         def show(_: object, done: int, total: int, __: float) -> int:
-            if 0 < done < total:
-                progress.show(100 * (len(found) * total + done) // (rows * total), f"{len(found)} of {rows} rows")
+            if 0 < done < total and progress.show(100 * (len(found) * total + done) // (rows * total), f"{len(found)} of {rows} rows"):
+                cancelled.set()
             return cancelled.is_set()
 
         def take(_: object, row: int, run: int) -> int:
             try:
                 found[row] = keep(_fields(self.dll, ctypes.c_void_p(run), names))
-                progress.show(100 * len(found) // rows, f"{len(found)} of {rows} rows")
+                if progress.show(100 * len(found) // rows, f"{len(found)} of {rows} rows"):
+                    cancelled.set()
             except BaseException as error:  # pylint: disable=broad-except # no exception passes through the library
                 failed.append(error)
             return bool(failed) or cancelled.is_set()

@@ -15,12 +15,12 @@ import signal
 import subprocess
 import sys
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import errors, library
 from .fields import MEASURED, Fields
 from .options import Path, RunOptions, option_words, shown
-from .progress import Progress
+from .progress import Progress, Wanted
 from .results import read_as
 from .scene import Scene, Text
 from .scene_files import NONE, renamed, scene_file, scratch_folder
@@ -72,14 +72,15 @@ def _failure(code: int, said: Sequence[str], kept: bool) -> errors.ClustermcmlEr
     return errors.InputError(text) if code == 2 else errors.ClustermcmlError(text, code)
 
 
-def _listen(pieces: Iterable[str], progress: Progress, said: list[str]) -> None:
-    """Reads the program's standard error, cut at line feeds and carriage returns: its bar of progress goes to `progress`, all other lines to `said`."""
-    for piece in pieces:
+def _listen(process: subprocess.Popen[str], progress: Progress, said: list[str]) -> None:
+    """Reads the program's standard error, cut at line feeds and carriage returns: its bar of progress goes to `progress`, which may stop it, all other
+    lines to `said`."""
+    for piece in process.stderr or ():
         text = piece.replace("\033[K", "").rstrip("\n")
         share = re.match(r"(?:\[[#.]*\])? *(\d+) % +(.*)", text)
-        if share:
-            progress.show(int(share[1]), share[2])
-        elif text:
+        if share and progress.show(int(share[1]), share[2]):
+            process.terminate()
+        elif text and not share:
             said.append(text)
 
 
@@ -116,13 +117,13 @@ def say(words: Sequence[str], scratch: str, progress: Progress = Progress(False)
     said: list[str] = []
     told: list[str] = []
     with _exits_on_signals(), _start([find_program(), *words]) as process:
-        listener = threading.Thread(target=_listen, args=(process.stderr, Progress(False) if rows else progress, said))
+        listener = threading.Thread(target=_listen, args=(process, Progress(False) if rows else progress, said))
         listener.start()
         try:
             for line in process.stdout or ():
                 told.append(line.rstrip("\n"))
-                if rows:
-                    progress.show(100 * len(told) // rows, f"{len(told)} of {rows} rows")
+                if rows and progress.show(100 * len(told) // rows, f"{len(told)} of {rows} rows"):
+                    process.terminate()
             process.wait()
         except BaseException:
             process.terminate()
@@ -206,7 +207,7 @@ def fly(scene: Union[Scene, Text, Path], words: list[str], progress: Progress, *
 
 
 @shown
-def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progress: Optional[bool] = None,
+def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progress: Wanted = None,
         **options: Unpack[RunOptions]) -> xr.Dataset:
     """Simulates a scene and returns its result.
 
@@ -214,7 +215,8 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
         scene: A Scene, or the path of an `.mci` file with one run.
         output_dir: Folder in which results and checkpoints stay; it is made where it is missing. Calls at the same time need folders of their own.
             None: the run flies in this process without files, or by the program in a temporary folder where the library lacks something.
-        progress: Whether to show a progress bar; None shows one in notebooks and terminals.
+        progress: Whether to show a progress bar; None shows one in notebooks and terminals. Or a function of percents and a text, called some twice a
+            second: it stops the run if it returns True, or raises something.
         **options: Options of the program, with underscores: photons=1e6, seed=2, threads=4, target_error=1e-3, engine="reference",
             no_reentry=True, set={"layer1.mua": 0.5}. `clustermcml help run` lists them.
 
@@ -223,7 +225,7 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
 
     Raises:
         InputError: The scene or an option is refused; the text is the program's.
-        ClustermcmlError: The run has failed.
+        ClustermcmlError: The run has failed, or `progress` has stopped it (exit_code 75).
         KeyboardInterrupt: The run was stopped. With output_dir its checkpoint stays, and the same call with resume=True continues.
     """
     if isinstance(scene, Scene) and scene.saved and output_dir is None:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from . import errors
 from .media import Medium, wavelengths as rising
 from .options import Path, SweepOptions, shown
+from .progress import Wanted
 from .scene import Scene
 from .sweep import _table, fly_sweep
 
@@ -56,7 +57,7 @@ def _shared(columns: Mapping[str, Any]) -> bool:
 
 @shown
 def spectrum(scene: Union[Scene, Path], media: Media, wavelengths: npt.ArrayLike, *, variables: Optional[Sequence[str]] = None,
-             output_dir: Optional[Path] = None, progress: Optional[bool] = None, **options: Unpack[SweepOptions]) -> xr.Dataset:
+             output_dir: Optional[Path] = None, progress: Wanted = None, **options: Unpack[SweepOptions]) -> xr.Dataset:
     """Simulates a scene at each wavelength.
 
     Wavelengths that differ in mua alone share a flight (reweight=True), unless an option needs a flight for each.

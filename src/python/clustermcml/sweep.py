@@ -16,7 +16,7 @@ from . import errors
 from .fields import Fields
 from .options import Path, SweepOptions, option_words, shown
 from .program import fly
-from .progress import Progress
+from .progress import Progress, Wanted
 from .scene import Scene
 from .scene_files import NONE
 
@@ -147,7 +147,7 @@ def _kept(result: Fields, table: _Table, variables: Optional[Sequence[str]]) -> 
     return result if variables is None else Fields({name: result[name] for wanted in variables for name in (wanted, *result[wanted].dims)}, result.attrs)
 
 
-def fly_sweep(scene: Union[Scene, Path], table: _Table, variables: Optional[Sequence[str]], output_dir: Optional[Path], progress: Optional[bool],
+def fly_sweep(scene: Union[Scene, Path], table: _Table, variables: Optional[Sequence[str]], output_dir: Optional[Path], progress: Wanted,
               options: Mapping[str, Any], silent: str = NONE) -> xr.Dataset:
     """Flies the rows of a table. silent: pattern of notes that are no warnings."""
     if variables is not None and not isinstance(variables, (list, tuple)):
@@ -160,7 +160,7 @@ def fly_sweep(scene: Union[Scene, Path], table: _Table, variables: Optional[Sequ
 @shown
 def sweep(scene: Union[Scene, Path], parameters: Union[Mapping[str, ArrayLike], pd.DataFrame], *, dim: Optional[str] = None,
           coords: Union[Sequence[str], Mapping[str, ArrayLike]] = (), variables: Optional[Sequence[str]] = None,
-          output_dir: Optional[Path] = None, progress: Optional[bool] = None, **options: Unpack[SweepOptions]) -> xr.Dataset:
+          output_dir: Optional[Path] = None, progress: Wanted = None, **options: Unpack[SweepOptions]) -> xr.Dataset:
     """Simulates a scene for all combinations of values, or for the rows of a table.
 
     Args:
@@ -171,7 +171,7 @@ def sweep(scene: Union[Scene, Path], parameters: Union[Mapping[str, ArrayLike], 
         coords: Names of columns that are carried along and not set, or {name: values} of numbers or texts.
         variables: Names of the arrays to keep; None keeps all.
         output_dir: Folder in which the result of each row stays; with resume=True a stopped sweep goes on there.
-        progress: Whether to show a progress bar; None shows one in notebooks and terminals.
+        progress: As of `run`.
         **options: As of `run`. reweight=True takes rows that differ in mua alone from one flight, with A_z and A_rz by every eighth interaction.
 
     Returns:

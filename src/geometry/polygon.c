@@ -76,9 +76,9 @@ cml_status cml_polygon_rows_build(const double (*point)[2], size_t num_points, s
         choose_rows(rows);
         rows->first = calloc(rows->num_rows + 1, sizeof *rows->first);
     }
-    const cml_status status =
-        rows->first ? fill_rows(rows, err)
-                    : cml_fail_memory(err, 24.0 * (double)num_points, "the border of a mesh");
+    const cml_status status = rows->first
+                                  ? fill_rows(rows, err)
+                                  : cml_fail_memory(err, 24.0 * (double)num_points, "the border of a mesh");
     if (status != CML_OK) cml_polygon_rows_clear(rows);
     return status;
 }

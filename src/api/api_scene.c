@@ -222,9 +222,9 @@ static cml_status load(struct clm_scene *scene, struct cml_error *err)
 {
     const struct cml_text_source record = cml_inputs_recorder(&scene->inputs);
     CML_TRY(cml_load_scenes(&scene->options, &record, &scene->list, err));
-    scene->settings = calloc((size_t)scene->list.count, sizeof *scene->settings);
-    scene->surfaces = calloc((size_t)scene->list.count, sizeof *scene->surfaces);
-    return scene->settings && scene->surfaces ? CML_OK : cml_fail_memory(err, scene->list.count, "runs");
+    const size_t count = (size_t)scene->list.count;
+    CML_TRY(cml_zeros(&scene->settings, count, sizeof *scene->settings, "runs", err));
+    return cml_zeros(&scene->surfaces, count, sizeof *scene->surfaces, "runs", err);
 }
 
 /* Reads a scene. ready: its options; NULL: they are path and options. text: what the file would hold; NULL:

@@ -79,7 +79,7 @@ int clm_scene_set_numbers(struct clm_scene *scene, int run, int count, const cha
 
 /* The text that the program prints on a run without flying it, or with json as one line. clm_scene_check: the
  * text of `check`. clm_scene_exact: totals by adding-doubling, with planes in place of all shapes. The text
- * is valid until the next such call, or until the scene is freed. */
+ * ends with a line feed and is valid until the next such call, or until the scene is freed. */
 int clm_scene_check(struct clm_scene *scene, int run, int json, const char **text);
 int clm_scene_exact(struct clm_scene *scene, int run, int json, const char **text);
 
@@ -102,7 +102,7 @@ void clm_run_on_progress(struct clm_run *run, clm_progress *progress, void *cont
 
 /* Flies. photons: number of photons to add to those flown before; the sum of slices has the bits of one
  * flight. 0, only before all others: as many as the scene or the options say. A cancelled flight adds
- * nothing. */
+ * nothing, and does not count. */
 int clm_run_fly(struct clm_run *run, uint64_t photons);
 
 /* ---- results: what has flown ---- */

@@ -221,6 +221,28 @@ class InProcess(unittest.TestCase):
             print(f"an interrupt ended the {name} after {time.monotonic() - begin - 0.7:.2f} s", file=sys.stderr)
         self.same(mc.run(sample("fig5"), photons=1000), self.of_program(sample("fig5"), "--photons", "1000"))
 
+    def test_a_second_interrupt(self):
+        """Two interrupts in a row end a flight, and Python goes on: nothing is freed that the flight still uses."""
+        script = f"""if True:
+            import os, signal, sys, threading, time
+            sys.path[:0] = {sys.path!r}
+            import clustermcml as mc
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            def interrupt():
+                for pause in (0.7, 0.02):
+                    time.sleep(pause)
+                    os.kill(os.getpid(), signal.SIGINT)
+            threading.Thread(target=interrupt).start()
+            for work in (lambda: mc.run({sample("vein")!r}, photons=1e12), lambda: time.sleep(2)):
+                try:
+                    work()
+                except KeyboardInterrupt:
+                    pass
+            print(float(mc.run({sample("fig5")!r}, photons=1000).Rd))
+        """
+        child = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+        self.assertEqual((child.returncode, child.stdout), (0, f"{float(mc.run(sample('fig5'), photons=1000).Rd)}\n"), child.stderr)
+
     def test_a_function_stops_a_flight(self):
         """progress=function stops a run or sweep in any thread, by library and by program, and passes on what it raises; runs beside it go on."""
         stop, results = threading.Event(), []

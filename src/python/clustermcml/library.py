@@ -35,7 +35,7 @@ _Note = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p)
 
 
 def _text(text: Optional[bytes]) -> str:
-    return (text or b"").decode("utf-8", "replace")
+    return (text or b"").decode("utf-8", "backslashreplace")
 
 
 class _Array(ctypes.Structure):
@@ -83,26 +83,26 @@ def _words(words: Sequence[str]) -> Any:
     return (ctypes.c_char_p * (len(options) + 1))(*map(os.fsencode, options), None)
 
 
-def _apart(work: Callable[[], None], cancelled: threading.Event) -> None:
-    """Does the work. The main thread lets another one do it, so that it hears of signals. An exception here cancels the work and awaits its end."""
-    if threading.current_thread() is not threading.main_thread():
-        return work()
-    done = threading.Event()
-
+def _apart(work: Callable[[], None], cancelled: threading.Event, ended: threading.Event) -> None:
+    """Does the work, and sets `ended` at its end. The main thread lets another one do it, so that it hears of signals. An exception here cancels the work
+    and awaits its end, but no longer than two seconds, or than the next exception: reading and preparing a scene cannot be cancelled."""
     def report() -> None:
-        work()
-        done.set()
-
-    def wait() -> None:  # Thread.join would take an interrupt for the end of the thread
-        while not done.wait(1) and thread.is_alive():
-            pass
-    thread = threading.Thread(target=report)
+        try:
+            work()
+        finally:
+            ended.set()
+    if threading.current_thread() is not threading.main_thread():
+        return report()
+    thread = threading.Thread(target=report, daemon=True)
     try:
         thread.start()
-        wait()
+        while not ended.wait(1):
+            pass
     except BaseException:
         cancelled.set()
-        wait()
+        if thread.ident is None:  # it could not be started
+            ended.set()
+        ended.wait(2)
         raise
 
 
@@ -112,7 +112,8 @@ class Runs:
     scene: object, or path of a file. words: options of the command line, for all flights. silent: pattern of notes that are no warnings."""
 
     def __init__(self, library: ctypes.CDLL, scene: Union[Scene, Text, Path], words: Sequence[str], silent: str = NONE) -> None:
-        self.dll, self.silent, self.scene, self.beside = library, silent, ctypes.c_void_p(), Beside()
+        self.dll, self.silent, self.scene, self.beside, self.ended = library, silent, ctypes.c_void_p(), Beside(), threading.Event()
+        self.ended.set()
         self.path = "Scene" if isinstance(scene, (Scene, Text)) else errors.existing_file("scene", scene)
         try:
             if isinstance(scene, (Scene, Text)):
@@ -129,8 +130,14 @@ class Runs:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.dll.clm_scene_free(self.scene)
-        self.beside.close()
+        self._when_ended(lambda: (self.dll.clm_scene_free(self.scene), self.beside.close()))
+
+    def _when_ended(self, free: Callable[[], object]) -> None:
+        """Frees what the last call uses. After an interrupt the call may still run in its thread."""
+        if self.ended.is_set():
+            free()
+        else:
+            threading.Thread(target=lambda: (self.ended.wait(), free()), daemon=True).start()
 
     def _renamed(self, said: str) -> str:
         """Returns a message of the library in the caller's words."""
@@ -138,7 +145,7 @@ class Runs:
         return own_words(said) if self.path == "Scene" else said
 
     def _call(self, function: Any, *arguments: Any, cancelled: Optional[threading.Event] = None) -> None:
-        """Calls a function of the library. Its notes become warnings, its status an exception. cancelled: set where an exception shall end a flight."""
+        """Calls a function of the library. Its notes become warnings, its status an exception. cancelled: is set to end a flight."""
         notes: list[str] = []
         ended: list[tuple[int, str]] = []
         take = _Note(lambda _, text: notes.append(_text(text)))
@@ -147,7 +154,8 @@ class Runs:
             self.dll.clm_on_note(take, None)
             ended.append((function(*arguments), _text(self.dll.clm_error())))
             self.dll.clm_on_note(None, None)
-        _apart(work, cancelled) if cancelled else work()
+        self.ended = threading.Event()
+        _apart(work, cancelled or threading.Event(), self.ended)
         for note in map(self._renamed, notes):
             if not re.search(self.silent, note):
                 errors.warn(note)
@@ -171,14 +179,14 @@ class Runs:
             if 0 < done < total and seconds > 0 and progress.show(100 * done // total, f"{done / seconds:.3g} photons/s, {seconds * (total - done) / done:.0f} s left"):
                 cancelled.set()
             return cancelled.is_set()
-        shown = _Progress(show)
-        self._call(self.dll.clm_run_open, self.scene, 0, _words(words), ctypes.byref(run))
+        self.shown = _Progress(show)  # as long as the flight may call it
         try:
-            self.dll.clm_run_on_progress(run, shown, None)
+            self._call(self.dll.clm_run_open, self.scene, 0, _words(words), ctypes.byref(run))
+            self.dll.clm_run_on_progress(run, self.shown, None)
             self._call(self.dll.clm_run_fly, run, ctypes.c_uint64(0), cancelled=cancelled)
             return _fields(self.dll, run, names)
         finally:
-            self.dll.clm_run_free(run)
+            self._when_ended(lambda: self.dll.clm_run_free(run))
 
     def sweep(self, table: str, keep: Callable[[Fields], Fields], progress: Progress, names: Optional[Sequence[str]] = None) -> list[Fields]:
         """Flies the rows of a table, the text of a file of --sweep, and returns what `keep` makes of each. An exception there ends the sweep."""

@@ -28,12 +28,15 @@ def renamed(text: str, folder: str) -> str:
     'Scene: boundary 0: its surface: no faces'
     >>> renamed("/tmp/x/scene.mco: cannot be written (No space left on device)", "/tmp/x")
     'scene.mco: cannot be written (No space left on device)'
+    >>> renamed("Scene/scene.mci:3: MyScene/lamp.gsf: no NUL byte", "Scene")
+    'Scene: MyScene/lamp.gsf: no NUL byte'
     """
+    before = r"(?<![\w./-])" + re.escape(folder + os.sep)  # not the end of a longer path
     names = {r"scene\.mci": "Scene", r"scene\.surface\d+\.\w+": "its surface", r"scene\.layer\d+body\d+\.\w+": "its surface",
              r"scene\.layer\d+(body\d+)?\.phase\.txt": "table of a Phase", r"sweep\.csv": "parameters"}
     for file, name in names.items():
-        text = re.sub(re.escape(folder + os.sep) + file + r"(:\d+)?(?!\w)", name, text)
-    return text.replace(folder + os.sep, "") if folder else text
+        text = re.sub(before + file + r"(:\d+)?(?!\w)", name, text)
+    return re.sub(before, "", text) if folder else text
 
 
 def own_words(text: str) -> str:

@@ -9,6 +9,7 @@
 #include "cli/hand_over.h"
 #include "cli/options/help.h"
 #include "cli/options/options_parse.h"
+#include "run/cluster/launcher.h"
 #include "run/stop.h"
 
 #include <errno.h>
@@ -31,20 +32,22 @@ static const struct {
     cml_status (*run)(const struct cml_options *options, struct cml_error *err);
 } commands[CML_NUM_COMMANDS] = {CML_COMMANDS(ROW, PYTHON_ROW)};
 
-/* Runs the command of the command line, or prints help or version. Commands that do not run in parallel run
- * on rank 0 only. */
+/* True if all ranks do what the command line asks for. Rank 0 alone does all else, and needs no MPI. */
+static bool is_parallel(const struct cml_options *options)
+{
+    return commands[options->which].parallel && !options->help && !options->version;
+}
+
+/* Runs the command of the command line, or prints help or version. */
 static cml_status answer(const struct cml_options *options, struct cml_error *err)
 {
-    const bool first = cml_cluster_rank() == 0;
     const char *name = cml_commands[options->which].name, *topic = options->named ? name : NULL;
     if (!options->help && !options->version && !commands[options->which].run)
         return cml_fail(err, CML_E_INPUT, "%s stands behind other words (expected clustermcml %s ...)", name,
                         name);
-    if (!options->help && !options->version)
-        return first || commands[options->which].parallel ? commands[options->which].run(options, err)
-                                                          : CML_OK;
-    if (first && options->help) return cml_help_print(stdout, topic, err);
-    if (first) printf("clustermcml %s\n%s\n", clm_version(), cml_version_parts());
+    if (options->help) return cml_help_print(stdout, topic, err);
+    if (!options->version) return commands[options->which].run(options, err);
+    printf("clustermcml %s\n%s\n", clm_version(), cml_version_parts());
     return CML_OK;
 }
 
@@ -67,19 +70,18 @@ static void print_note(void *context, const char *text)
     cml_print_line(stderr, text);
 }
 
-/* Reads the options and does the command on all ranks. All return the worst status of all, and its
+/* Does the command on all ranks that have read their options. All return the worst status of all, and its
  * message. */
-static cml_status work(int argc, char **argv, struct cml_error *err)
+static cml_status work(cml_status status, struct cml_options *options, struct cml_error *err)
 {
-    struct cml_options options;
-    CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
-    CML_TRY(cml_escape_output(options.json, err));
-    cml_cluster_set_timeout(options.timeout);
-    options.surface.budget.on_large = show_large_mesh;
-    options.surface.budget.context = &options;
-    options.engine_options.on_note = print_note;
+    CML_TRY(cml_cluster_agree(status, err));
+    CML_TRY(cml_escape_output(options->json, err));
+    cml_cluster_set_timeout(options->timeout);
+    options->surface.budget.on_large = show_large_mesh;
+    options->surface.budget.context = options;
+    options->engine_options.on_note = print_note;
     clm_on_note(print_note, NULL);
-    cml_status status = answer(&options, err);
+    status = answer(options, err);
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK && !cml_output_unread())
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");
     return cml_cluster_agree(status, err);
@@ -139,13 +141,16 @@ int main(int argc, char **argv)
     open_standard_streams();
     cml_stop_ignore();
     cml_stop_with_parent();
+    struct cml_options options;
+    const cml_status understood = cml_options_parse(argc, argv, &options, &err);
     cml_status status = check_stack(&err);
-    if (status == CML_OK) status = cml_cluster_begin(&argc, &argv, &err);
+    if (!is_parallel(&options) && cml_launcher_rank() > 0) return 0;
+    if (status == CML_OK && is_parallel(&options)) status = cml_cluster_begin(&argc, &argv, &err);
     if (status != CML_OK) {
         complain(status, &err);
         return (int)status;
     }
-    status = work(argc, argv, &err);
+    status = work(understood, &options, &err);
     /* from here on signals are only remembered: if a job fails, a launcher ends all its ranks by a signal,
      * which must not change the exit code */
     cml_stop_watch();

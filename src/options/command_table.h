@@ -4,9 +4,9 @@
 
 #include <stdbool.h>
 
-/* All commands in the order of the help: enumerator, function cml_command_NAME, and true if all ranks work;
- * else rank 0 alone works, and the others wait for its status. PYTHON: a command of the Python package,
- * without a function here. */
+/* All commands in the order of the help: enumerator, function cml_command_NAME, and true if the command
+ * starts MPI and all ranks call it; else rank 0 alone works, without MPI. PYTHON: a command of the Python
+ * package, without a function here. */
 #define CML_COMMANDS(C, PYTHON)                                                                              \
     C(RUN, run, true)                                                                                        \
     C(PLAN, plan, true)                                                                                      \
@@ -14,7 +14,7 @@
     C(EXACT, exact, false)                                                                                   \
     C(MESH, mesh, false)                                                                                     \
     C(TRACE, trace, false)                                                                                   \
-    C(CROSSCHECK, crosscheck, false)                                                                         \
+    C(CROSSCHECK, crosscheck, true)                                                                          \
     C(FURNACE, furnace, true)                                                                                \
     PYTHON(COMPARE, compare)                                                                                 \
     C(MERGE, merge, false)                                                                                   \

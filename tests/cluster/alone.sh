@@ -10,10 +10,10 @@ scene=samples/shapes/hinoise.mci
 
 expect_code 0 $scene --photons 5e3 --quiet -o "$work"
 mv "$work/hinoise.mco" "$work/expected"
-expected="processes were started, but each sees only itself (expected the launcher of the MPI library that this program uses, or srun --mpi=pmix; a build without MPI needs an adapter and an MPI library: clustermcml help adapter)"
+fly_alone="to fly in one process: env -u"
 (
     export SLURM_NTASKS=4 SLURM_STEP_NUM_TASKS=4
-    expect_error 2 "SLURM_STEP_NUM_TASKS = 4 $expected" $scene --photons 100 -o "$work"
+    expect_error 2 "a launcher started 4 processes (SLURM_STEP_NUM_TASKS=4), but each sees only itself (expected the launcher of the MPI library that this program uses, or srun --mpi=pmix); $fly_alone SLURM_STEP_NUM_TASKS clustermcml ..." $scene --photons 100 -o "$work"
     SLURM_STEP_NUM_TASKS=1
     expect_code 0 $scene --photons 100 --quiet -o "$work"
     unset SLURM_STEP_NUM_TASKS # within a batch script
@@ -32,8 +32,38 @@ code=0
 mpiexec -n 2 $mpi_options sh -c 'exec "$0" "$1" 2>"$2/copy.$$"' "$program" $scene "$work" >"$work/out" 2>&1 </dev/null || code=$?
 test $code -eq 2 || complain "two copies without MPI: exit $code"
 said=$(for copy in "$work"/copy.*; do while read -r line; do echo "$line"; done <"$copy"; done | sort -u)
-test "$said" = "clustermcml: OMPI_COMM_WORLD_SIZE = 2 $expected" ||
-    complain "two copies without MPI said: $said"
+adapter=$(dirname "$(realpath "$program")")/cluster_openmpi.so
+mpiexec --version | grep -q 'Open MPI\|OpenRTE' || adapter=${adapter%openmpi.so}mpich.so
+case $said in
+"clustermcml: a launcher started 2 processes ("*"_SIZE=2), but $adapter is missing (an adapter: clustermcml help adapter); $fly_alone "*_SIZE" clustermcml ...") ;;
+*) complain "two copies without an adapter said: $said" ;;
+esac
+(
+    export PMI_SIZE=2 CLUSTERMCML_MPI_LIBRARY=/nope
+    expect_error 3 "CLUSTERMCML_MPI_LIBRARY: /nope: cannot open shared object file: No such file or directory" $scene
+    unset CLUSTERMCML_MPI_LIBRARY
+    # libraries that cannot be opened stand for none
+    mkdir "$work/none"
+    why=
+    for name in libmpi.so.12 libmpich.so.12 libmpi_abi.so.1 libmpi_abi.so.0 libmpi.so.40; do
+        : >"$work/none/$name"
+        why="$why${why:+; }$work/none/$name: file too short"
+    done
+    export LD_LIBRARY_PATH="$work/none"
+    expect_error 2 "a launcher started 2 processes (PMI_SIZE=2), but no MPI library was found ($why; expected one on the search path, or CLUSTERMCML_MPI_LIBRARY=FILE); $fly_alone PMI_SIZE clustermcml ..." $scene
+    finish
+) || complain "no MPI library"
+# commands that do not fly need no MPI
+for any in "$alone" "$CLUSTERMCML"; do
+    for words in --version "help beam" "help adapter" "check $scene" "exact samples/fig5.mci" devices "merge --help" "run --help"; do
+        PMI_SIZE=2 "$any" $words >"$work/out" 2>&1 </dev/null || complain "PMI_SIZE=2 $any $words: $(cat "$work/out")"
+    done
+    for words in --version "check samples/fig5.mci" "exact samples/fig5.mci"; do
+        "$any" $words >"$work/expected.txt"
+        mpiexec -n 2 $mpi_options "$any" $words >"$work/out" 2>&1 </dev/null && cmp "$work/out" "$work/expected.txt" ||
+            complain "two copies of $any $words: $(cat "$work/out")"
+    done
+done
 
 if test -n "${CLUSTERMCML_ADAPTER:-}"; then
     mkdir "$work/bin"

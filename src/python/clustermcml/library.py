@@ -28,7 +28,6 @@ from .scene_files import NONE, Beside, own_words, renamed, scene_text
 API = 1  # CLM_API of clustermcml.h
 OPTIONS = frozenset(("--photons --set --derivatives --seed --target-error --error-of --sampling --roulette --aim --ignore-absorption --no-reentry --ignore-heightfields "
                      "--boundaries --tolerance --mesh-budget --normals --rings --mesh-search --engine --threads --chunk --device --group --build-options --reweight").split())
-LAUNCHED = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
 _Progress = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_uint64, ctypes.c_uint64, ctypes.c_double)
 _Row = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
 _Note = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p)
@@ -66,10 +65,9 @@ def _load(program: str) -> Optional[ctypes.CDLL]:
 
 
 def find(program: str, words: Sequence[str]) -> Optional[ctypes.CDLL]:
-    """Returns the library beside the program. None: the program must fly, for an option among the words of its command line, or because a launcher of
-    MPI has started this process."""
+    """Returns the library beside the program. None: the program must fly, for an option among the words of its command line."""
     wanted = {word for word in words if word.startswith("--")}
-    return _load(program) if wanted <= OPTIONS and not any(name in os.environ for name in LAUNCHED) else None
+    return _load(program) if wanted <= OPTIONS else None
 
 
 def _words(words: Sequence[str]) -> Any:

@@ -34,6 +34,8 @@ PREFIX = "clustermcml: "
 FATES = {"Rsp": "specular", "Rd": "reflected", "A": "absorbed", "Tt": "transmitted"}  # keys of --json, and names of the book of each in the result
 STOPS = (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)  # SIGINT is left to Python
 ALL = ""  # pattern of notes
+RANKS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS")  # how many processes a launcher of MPI says it has started
+LAUNCHER = re.compile(r"(OMPI|PMIX|PMI|I_MPI)_.*|SLURM_STEP_NUM_TASKS")  # variables by which such a launcher talks to its processes
 STOPPED = 75  # exit code of a run that was stopped by a signal
 NO_RESULT = re.compile(r".*\.(mci|lock|checkpoint|old|gsf|obj|txt)")  # names of other files in a folder
 
@@ -98,12 +100,22 @@ def _exits_on_signals() -> Iterator[None]:
             signal.signal(number, signal.SIG_DFL)
 
 
+def _refuse_ranks() -> None:
+    """Refuses to fly where a launcher has started several processes: each would fly the same photons."""
+    for name in RANKS:
+        count = os.environ.get(name, "")
+        if count.isdigit() and int(count) > 1:
+            raise errors.InputError(f"clustermcml in Python flies in one process, and a launcher started {count} ({name}={count}): "
+                                    "start the program with mpiexec instead, or one Python without it")
+
+
 def _start(words: Sequence[str]) -> subprocess.Popen[str]:
     """Starts the program in a session of its own, so that an interrupt reaches it from here alone. With CLUSTERMCML_PARENT, it draws its bar into the
-    pipe, and stops by itself when this process or the calling thread ends in any way."""
+    pipe, and stops by itself when this process or the calling thread ends in any way. The program is no rank of a launcher that has started Python."""
+    environment = {name: value for name, value in os.environ.items() if not LAUNCHER.fullmatch(name)}
     try:
         return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8",
-                                errors="replace", start_new_session=True, env={**os.environ, "CLUSTERMCML_PARENT": str(os.getpid())})
+                                errors="replace", start_new_session=True, env={**environment, "CLUSTERMCML_PARENT": str(os.getpid())})
     except OSError as error:
         raise errors.InputError(f"{words[0]}: cannot be run ({error.strerror})") from error
 
@@ -194,6 +206,7 @@ def fly(scene: Union[Scene, Text, Path], words: list[str], progress: Progress, *
     words: options of a command line. table: text of a file of --sweep; "" is none. output_dir: folder for the program's files; None flies in this
     process, or by the program where the library lacks something. silent: pattern of notes that are no warnings. names: of the arrays that are needed;
     the program reads all. keep: returns the part of a result that is kept."""
+    _refuse_ranks()
     loaded = library.find(find_program(), words) if output_dir is None else None
     if loaded:
         with library.Runs(loaded, scene, words, silent) as held:

@@ -111,13 +111,13 @@ static cml_status join_world(struct cml_error *err)
  * rank under a launcher gets no service thread. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
-    if (!cml_launcher_found()) return cml_launcher_check(1, err);
+    if (!cml_launcher_found()) return cml_launcher_check(1, NULL, err);
     int level = 0;
     if (MPI_Init_thread(argc, argv, MPI_THREAD_SERIALIZED, &level) != MPI_SUCCESS)
         return cml_fail(err, CML_E_DEVICE, "MPI cannot start");
     MPI_Comm_rank(MPI_COMM_WORLD, &cml_ranks.rank);
     MPI_Comm_size(MPI_COMM_WORLD, &cml_ranks.size);
-    cml_status status = cml_launcher_check(cml_ranks.size, err);
+    cml_status status = cml_launcher_check(cml_ranks.size, NULL, err);
     if (status == CML_OK && level < MPI_THREAD_SERIALIZED)
         status = cml_fail(err, CML_E_DEVICE, "this MPI library does not support MPI_THREAD_SERIALIZED");
     return status == CML_OK && cml_ranks.size > 1 ? join_world(err) : status;

@@ -6,6 +6,7 @@
 #include "run/cluster/launcher.h"
 
 #include <dlfcn.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -41,28 +42,34 @@ static cml_status open_named(const char *name, const struct abi **abi, struct cm
 }
 
 /* Opens the first MPI library that the system finds. Open MPI's launcher is told by its variable, and its
- * library is tried first there. Under other launchers it is tried last. NULL: there is no library. */
-static const struct abi *open_first(void)
+ * library is tried first there. Under other launchers it is tried last. NULL: there is no library, and `why`
+ * has the reason for each name. */
+static const struct abi *open_first(char *why, size_t size)
 {
     const int first = getenv("OMPI_COMM_WORLD_SIZE") ? OPENMPI : MPICH;
+    size_t used = 0;
     for (int i = 0; i < ABIS; i++) {
         const struct abi *abi = &abis[(first + i) % ABIS];
-        for (int k = 0; k < 3 && abi->libraries[k]; k++)
+        for (int k = 0; k < 3 && abi->libraries[k]; k++) {
             if (open_library(abi->libraries[k])) return abi;
+            if (used < size)
+                used += (size_t)snprintf(why + used, size - used, "%s%s", used ? "; " : "", dlerror());
+        }
     }
     return NULL;
 }
 
 /* Makes the adapter in the program's own folder the table of all calls. A program without adapters stays a
- * single rank. */
+ * single rank, which refuses to be one of several copies. */
 static cml_status load_adapter(const char *name, struct cml_error *err)
 {
-    char path[4096] = "";
+    char path[4096] = "", why[4200];
     const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 64);
     char *slash = length > 0 ? strrchr(path, '/') : NULL;
     if (!slash) return cml_fail(err, CML_E_DEVICE, "/proc/self/exe: the program's folder is unknown");
     strcpy(slash + 1, name);
-    if (access(path, F_OK) != 0) return CML_OK;
+    snprintf(why, sizeof why, "%s is missing (an adapter: clustermcml help adapter)", path);
+    if (access(path, F_OK) != 0) return cml_launcher_check(1, why, err);
     void *adapter = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     const struct cml_cluster_calls *table = adapter ? dlsym(adapter, "cml_cluster_table") : NULL;
     if (!table) return cml_fail(err, CML_E_DEVICE, "MPI cannot start: %s", dlerror());
@@ -78,16 +85,21 @@ static cml_status load(struct cml_error *err)
 {
     const char *named = getenv("CLUSTERMCML_MPI_LIBRARY");
     const struct abi *abi = NULL;
+    char reasons[600] = "", why[800];
     if (named)
         CML_TRY(open_named(named, &abi, err));
     else
-        abi = open_first();
-    return abi ? load_adapter(abi->adapter, err) : CML_OK;
+        abi = open_first(reasons, sizeof reasons);
+    snprintf(
+        why, sizeof why,
+        "no MPI library was found (%s; expected one on the search path, or CLUSTERMCML_MPI_LIBRARY=FILE)",
+        reasons);
+    return abi ? load_adapter(abi->adapter, err) : cml_launcher_check(1, why, err);
 }
 
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
-    if (cml_launcher_found()) CML_TRY(load(err));
+    if (cml_launcher_found() || cml_launcher_size() > 1) CML_TRY(load(err));
     return calls->begin(argc, argv, err);
 }
 

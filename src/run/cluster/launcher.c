@@ -19,34 +19,55 @@ bool cml_launcher_found(void)
     return false;
 }
 
-/* Returns how many processes the launcher says it started; 1 when it says nothing. *variable: the environment
- * variable that said so. In a batch script, outside of srun, Slurm sets SLURM_NTASKS but not
- * SLURM_STEP_NUM_TASKS. */
-static int number_started(const char **variable)
+/* The environment variables of each launcher: number of processes, and number of this process. In a batch
+ * script, outside of srun, Slurm sets SLURM_NTASKS but not SLURM_STEP_NUM_TASKS. */
+static const struct said {
+    const char *size, *rank;
+} said[] = {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
+            {"PMI_SIZE", "PMI_RANK"},
+            {"SLURM_STEP_NUM_TASKS", "SLURM_PROCID"}};
+
+/* Returns the number in an environment variable, or `otherwise`. */
+static int number_in(const char *variable, int otherwise)
 {
-    static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS", NULL};
-    for (int i = 0; names[i]; i++) {
-        const char *value = getenv(names[i]);
-        int number = 0;
-        *variable = names[i];
-        if (value && cml_parse_int(value, &number) && number > 1) return number;
-    }
-    return 1;
+    const char *value = getenv(variable);
+    int number = 0;
+    return value && cml_parse_int(value, &number) ? number : otherwise;
+}
+
+/* Returns the variables of the launcher that started several processes. NULL: none says so. */
+static const struct said *several(void)
+{
+    for (size_t i = 0; i < sizeof said / sizeof *said; i++)
+        if (number_in(said[i].size, 1) > 1) return &said[i];
+    return NULL;
+}
+
+int cml_launcher_size(void)
+{
+    const struct said *by = several();
+    return by ? number_in(by->size, 1) : 1;
+}
+
+int cml_launcher_rank(void)
+{
+    const struct said *by = several();
+    return by ? number_in(by->rank, 0) : 0;
 }
 
 /* Refuses a single rank if the launcher started several processes: each of them would fly the whole run. A
  * process that was started alone, or by a batch script without srun, is one rank. */
-cml_status cml_launcher_check(int size, struct cml_error *err)
+cml_status cml_launcher_check(int size, const char *why, struct cml_error *err)
 {
-    const char *variable = NULL;
-    const int started = number_started(&variable);
-    if (size > 1 || started == 1) return CML_OK;
+    const struct said *by = several();
+    if (size > 1 || !by) return CML_OK;
+    if (!why)
+        why = "each sees only itself (expected the launcher of the MPI library that this program uses, or "
+              "srun --mpi=pmix)";
     return cml_fail(
         err, CML_E_INPUT,
-        "%s = %d processes were started, but each sees only itself (expected the launcher of the MPI library "
-        "that this program uses, or srun --mpi=pmix; a build without MPI needs an adapter "
-        "and an MPI library: clustermcml help adapter)",
-        variable, started);
+        "a launcher started %d processes (%s=%d), but %s; to fly in one process: env -u %s clustermcml ...",
+        number_in(by->size, 1), by->size, number_in(by->size, 1), why, by->size);
 }
 
 /* ---- cores ---- */

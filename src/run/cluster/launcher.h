@@ -10,10 +10,15 @@
 /* True under the mpiexec of Open MPI, MPICH or Intel MPI, and under srun with a PMI or PMIx plugin. */
 bool cml_launcher_found(void);
 
+/* Returns how many processes the launcher says it started; 1 when it says nothing. cml_launcher_rank: the
+ * number of this process among them, without MPI; 0 when the launcher says nothing. */
+int cml_launcher_size(void);
+int cml_launcher_rank(void);
+
 /* Fails with CML_E_INPUT when the launcher started several processes of which each sees only itself: they
  * would write the same files. size: how many processes see each other; 1 without MPI, as under srun without a
- * plugin. */
-CML_NODISCARD cml_status cml_launcher_check(int size, struct cml_error *err);
+ * plugin. why: why the processes do not see each other, for the message; NULL: unknown. */
+CML_NODISCARD cml_status cml_launcher_check(int size, const char *why, struct cml_error *err);
 
 struct cml_cores {
     unsigned char bits[128]; /* one bit per core, so that masks of several processes can be joined by or */

@@ -590,7 +590,7 @@ class Runs(unittest.TestCase):
     def test_what_the_program_says_is_taken_apart(self):
         said = []
         with Progress(False) as progress:
-            _listen(["[##..]  50 %  1e+06 photons/s  1 s, 1 s left\033[K", "\033[K", "clustermcml: note: hello"], progress, said)
+            _listen(["[##..]  50 %  1e+06 photons/s  1 s, 1 s left\033[K", "\033[K", "clustermcml: note: hello"], progress, said, self.fail)
         self.assertEqual(said, ["clustermcml: note: hello"])
 
 

@@ -128,14 +128,18 @@ class Runs:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._when_ended(lambda: (self.dll.clm_scene_free(self.scene), self.beside.close()))
+        self._when_ended(self._free)
+
+    def _free(self) -> None:
+        self.dll.clm_scene_free(self.scene)
+        self.beside.close()
 
     def _when_ended(self, free: Callable[[], object]) -> None:
         """Frees what the last call uses. After an interrupt the call may still run in its thread."""
         if self.ended.is_set():
             free()
         else:
-            threading.Thread(target=lambda: (self.ended.wait(), free()), daemon=True).start()
+            threading.Thread(target=lambda: self.ended.wait() and free(), daemon=True).start()
 
     def _renamed(self, said: str) -> str:
         """Returns a message of the library in the caller's words."""

@@ -15,7 +15,7 @@ import signal
 import subprocess
 import sys
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
 
 from . import errors, library
 from .fields import MEASURED, Fields
@@ -74,14 +74,14 @@ def _failure(code: int, said: Sequence[str], kept: bool) -> errors.ClustermcmlEr
     return errors.InputError(text) if code == 2 else errors.ClustermcmlError(text, code)
 
 
-def _listen(process: subprocess.Popen[str], progress: Progress, said: list[str]) -> None:
-    """Reads the program's standard error, cut at line feeds and carriage returns: its bar of progress goes to `progress`, which may stop it, all other
-    lines to `said`."""
-    for piece in process.stderr or ():
+def _listen(pieces: Iterable[str], progress: Progress, said: list[str], stop: Callable[[], None]) -> None:
+    """Reads the program's standard error, cut at line feeds and carriage returns: its bar of progress goes to `progress`, which may
+    `stop` it, all other lines to `said`."""
+    for piece in pieces:
         text = piece.replace("\033[K", "").rstrip("\n")
         share = re.match(r"(?:\[[#.]*\])? *(\d+) % +(.*)", text)
         if share and progress.show(int(share[1]), share[2]):
-            process.terminate()
+            stop()
         elif text and not share:
             said.append(text)
 
@@ -129,7 +129,7 @@ def say(words: Sequence[str], scratch: str, progress: Progress = Progress(False)
     said: list[str] = []
     told: list[str] = []
     with _exits_on_signals(), _start([find_program(), *words]) as process:
-        listener = threading.Thread(target=_listen, args=(process, Progress(False) if rows else progress, said))
+        listener = threading.Thread(target=_listen, args=(process.stderr, Progress(False) if rows else progress, said, process.terminate))
         listener.start()
         try:
             for line in process.stdout or ():

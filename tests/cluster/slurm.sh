@@ -94,7 +94,7 @@ start_slurm || { complain "Slurm does not start: $(tail -n 5 "$work"/*.log)"; fi
 expect_none() { # CODE WHAT COMMAND...: two tasks that do not see each other
     wanted=$1 what=$2 code=0
     shift 2
-    srun --quiet --mpi=none --ntasks=2 "$@" samples/fig5.mci --photons 100 --quiet -o "$work" >"$work/out" 2>"$work/err" </dev/null || code=$?
+    srun --quiet --mpi=none --ntasks=2 "$@" plan samples/fig5.mci --target-error 0.3 >"$work/out" 2>"$work/err" </dev/null || code=$?
     test $code -eq "$wanted" || complain "srun --mpi=none, $what: exit $code: $(cat "$work/err")"
 }
 expect_none 2 "two tasks" "$program"

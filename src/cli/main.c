@@ -87,12 +87,13 @@ static cml_status work(cml_status status, struct cml_options *options, struct cm
     return cml_cluster_agree(status, err);
 }
 
-/* Prints an error, the only function that does. */
-static void complain(cml_status status, const struct cml_error *err)
+/* Prints the error, if there is one, the only function that does. Returns the exit code. */
+static int complain(cml_status status, const struct cml_error *err)
 {
-    if (status == CML_OK) return;
+    if (status == CML_OK) return 0;
     fputs("clustermcml: ", stderr);
     cml_print_line(stderr, err->text);
+    return (int)status;
 }
 
 /* least stack of the program in KiB; with 192 all samples and commands ran, and the compiler of PoCL, too
@@ -133,23 +134,17 @@ static bool is_handed_over(int argc, char *const *argv)
 int main(int argc, char **argv)
 {
     struct cml_error err = {CML_OK, ""};
-    if (is_handed_over(argc, argv)) {
-        const cml_status handed = cml_hand_over(argc, argv, &err);
-        complain(handed, &err);
-        return (int)handed;
-    }
+    if (is_handed_over(argc, argv)) return complain(cml_hand_over(argc, argv, &err), &err);
     open_standard_streams();
     cml_stop_ignore();
     cml_stop_with_parent();
-    struct cml_options options;
-    const cml_status understood = cml_options_parse(argc, argv, &options, &err);
     cml_status status = check_stack(&err);
+    if (status != CML_OK) return complain(status, &err);
+    static struct cml_options options; /* 31 KiB: a frame of main is there before the check */
+    const cml_status understood = cml_options_parse(argc, argv, &options, &err);
     if (!is_parallel(&options) && cml_launcher_rank() > 0) return 0;
-    if (status == CML_OK && is_parallel(&options)) status = cml_cluster_begin(&argc, &argv, &err);
-    if (status != CML_OK) {
-        complain(status, &err);
-        return (int)status;
-    }
+    if (is_parallel(&options)) status = cml_cluster_begin(&argc, &argv, &err);
+    if (status != CML_OK) return complain(status, &err);
     status = work(understood, &options, &err);
     /* from here on signals are only remembered: if a job fails, a launcher ends all its ranks by a signal,
      * which must not change the exit code */

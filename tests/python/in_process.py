@@ -66,7 +66,9 @@ RANKS = """
 import os, sys
 sys.path[:] = sys.argv[1].split(os.pathsep)
 import clustermcml as mc
-path, folder, count = sys.argv[2:]
+path, folder, count, module = sys.argv[2:]
+sys.modules[module], flies = sys, count == "1" or module == "mpi4py.MPI"
+folder += "." + str(os.getpid())
 scene = mc.Scene([mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
 calls = [lambda: mc.run(scene), lambda: mc.run(path, photons=100, output_dir=folder), lambda: mc.sweep(scene, {"layer1.mua": [1, 2]})]
 for call in 2 * calls:
@@ -75,12 +77,12 @@ for call in 2 * calls:
         said = ""
     except mc.InputError as error:
         said = str(error)
-    assert (said == "") == (count == "1") and (not said or " flies in one process, and a launcher started 2 (" in said and
-                                               said.endswith("=2): start the program with mpiexec instead, or one Python without it")), said
+    assert (said == "") == flies and (not said or " flies in one process, and a launcher started 2 (" in said and
+                                      "=2): start the program with mpiexec for one run on all, " in said), said
 for _ in range(2):
     assert mc.check(path) and mc.exact(scene) and mc.__version__, "no answer"
-assert mc.read(os.path.join(os.path.dirname(folder), "a.h5")).Rd > 0 and (count == "2" or mc.read(os.path.join(folder, "fig5.mco")).Rd > 0)
-open(folder + "." + str(os.getpid()), "w").close()
+assert mc.read(os.path.join(os.path.dirname(folder), "a.h5")).Rd > 0 and (not flies or mc.read(os.path.join(folder, "fig5.mco")).Rd > 0)
+open(folder + ".done", "w").close()
 """
 
 
@@ -335,19 +337,21 @@ class InProcess(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("mpiexec"), "mpiexec is missing")
     def test_ranks(self):
-        """Under a launcher one process of Python flies as ever; several refuse to fly, and do all else."""
+        """Under a launcher one process of Python flies as ever. Several refuse to fly, and do all else; with mpi4py each flies its own runs."""
         alone = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1"}
         self.of_program(sample("fig5"), "--photons", "1000")
         script = os.path.join(self.folder, "ranks.py")
         with open(script, "w", encoding="utf-8") as file:
             file.write(RANKS)
-        for count, words in ((1, ["mpiexec", "-n", "1"]), (2, ["mpiexec", "-n", "2"]), (2, ["env", "PMI_SIZE=2"]), (2, ["env", "SLURM_STEP_NUM_TASKS=2"])):
-            with self.subTest(words[-1]):
-                folder = os.path.join(self.folder, words[-1])
-                done = subprocess.run([*words, sys.executable, script, os.pathsep.join(sys.path), sample("fig5"), folder, str(count)], env=alone,
-                                      stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        for count, module, words in ((1, "other", ["mpiexec", "-n", "1"]), (2, "other", ["mpiexec", "-n", "2"]), (2, "mpi4py.MPI", ["mpiexec", "-n", "2"]),
+                                     (2, "other", ["env", "PMI_SIZE=2"]), (2, "other", ["env", "SLURM_STEP_NUM_TASKS=2"])):
+            with self.subTest(words[-1] + module):
+                name = words[-1] + module
+                done = subprocess.run([*words, sys.executable, script, os.pathsep.join(sys.path), sample("fig5"), os.path.join(self.folder, name), str(count),
+                                       module], env=alone, stdin=subprocess.DEVNULL, capture_output=True, text=True)
                 self.assertEqual(done.returncode, 0, done.stderr)
-                self.assertEqual(len([name for name in os.listdir(self.folder) if name.startswith(words[-1] + ".")]), count if words[0] == "mpiexec" else 1)
+                self.assertEqual(len([file for file in os.listdir(self.folder) if file.startswith(name + ".") and file.endswith(".done")]),
+                                 count if words[0] == "mpiexec" else 1)
 
     def test_files_need_the_program(self):
         """With a folder for its files, a run is the program's."""

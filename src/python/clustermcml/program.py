@@ -101,12 +101,12 @@ def _exits_on_signals() -> Iterator[None]:
 
 
 def _refuse_ranks() -> None:
-    """Refuses to fly where a launcher has started several processes: each would fly the same photons."""
-    for name in RANKS:
+    """Refuses to fly where a launcher has started several processes, as each would fly the same photons. A script that has loaded mpi4py knows its rank."""
+    for name in () if "mpi4py.MPI" in sys.modules else RANKS:
         count = os.environ.get(name, "")
         if count.isdigit() and int(count) > 1:
             raise errors.InputError(f"clustermcml in Python flies in one process, and a launcher started {count} ({name}={count}): "
-                                    "start the program with mpiexec instead, or one Python without it")
+                                    "start the program with mpiexec for one run on all, one Python without it, or import mpi4py.MPI and fly other runs in each")
 
 
 def _start(words: Sequence[str]) -> subprocess.Popen[str]:

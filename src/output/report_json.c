@@ -123,11 +123,12 @@ static void set_speed(json_t *object, const struct cml_report *report)
     cml_json_set_real(object, "communication", cml_timing_communication(timing));
 }
 
-/* Sets the totals by adding-doubling, each with the limit of its error. */
+/* Sets the totals by adding-doubling, each with the limit of its error, and the boundaries whose shape is
+ * ignored; only a boundary with a line in the file has a shape. */
 static void set_exact(json_t *object, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     const int last = scene->backing.kind == CML_BACKING_NONE ? CML_EXACT_TT : CML_EXACT_BACKING;
-    json_t *layers = json_array(), *layer_errors = json_array();
+    json_t *layers = json_array(), *layer_errors = json_array(), *planes = json_array();
     for (int i = 0; i <= last; i++) set_quantity(object, cml_quantity_of_total(i), "", &exact->value[i]);
     for (int i = 0; i <= last; i++)
         set_quantity(object, cml_quantity_of_total(i), "_error", &exact->error[i]);
@@ -135,8 +136,11 @@ static void set_exact(json_t *object, const struct cml_scene *scene, const struc
         json_array_append_new(layers, json_real(exact->value[i]));
         json_array_append_new(layer_errors, json_real(exact->error[i]));
     }
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (scene->boundaries[b].line > 0) json_array_append_new(planes, json_integer(b));
     json_object_set_new(object, "A_l", layers);
     json_object_set_new(object, "A_l_error", layer_errors);
+    json_object_set_new(object, "planes", planes);
     cml_json_set_integer(object, "order", (uint64_t)exact->order);
     json_object_set_new(object, "converged", json_boolean(exact->converged));
 }

@@ -36,6 +36,8 @@ awk -v a="$(value Rsp)" -v b="$(value Rd)" -v c="$(value A)" -v d="$(value Tt)" 
 expect_code 0 exact samples/shapes/hihill.mci
 shows "hill" '^  boundary 0 counts as a plane$'
 shows "hill" '^  boundary 1 counts as a plane$'
+expect_code 0 exact samples/shapes/hihill.mci --json
+grep -q '"planes":\[0,1\],' "$work/out" || complain "planes: $(cat "$work/out")"
 expect_code 0 exact samples/wedge.mci
 shows "wedge" 'counts as a plane$'
 

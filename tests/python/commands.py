@@ -9,6 +9,7 @@ import sys
 import tempfile
 import unittest
 import unittest.mock
+import warnings
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 from python_package import TOP, mc, np, xr  # noqa: E402
@@ -84,6 +85,13 @@ class Options(unittest.TestCase):
                            (lambda: mc.check(HILL, sweep="none.csv"), "sweep = 'none.csv'"), (lambda: mc.check(HILL, reweight=True), "parameters = None")):
             with self.assertRaisesRegex(mc.InputError, text):
                 call()
+
+    def test_exact_says_which_shapes_it_ignores(self):
+        with self.assertWarnsRegex(UserWarning, "^exact: a plane stands for boundary 0, 1$"):
+            self.assertEqual(mc.exact(HILL)[0]["planes"], [0, 1])
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.assertEqual(mc.exact(mc.Scene([SLAB]))[0]["planes"], [])
 
     def test_of_one_command_are_refused_by_others(self):
         for call, text in ((lambda: mc.exact(HILL, photons=5), "--photons"), (lambda: mc.run(HILL, output="a.svg"), "output = 'a.svg'"), (lambda: mc.trace(HILL, 0, json=True), "json = True")):

@@ -90,9 +90,14 @@ def exact(scene: Union[Scene, Path], **options: Unpack[ExactOptions]) -> list[di
         **options: Options of the program; `clustermcml help exact` lists them.
 
     Returns:
-        A list with a dict for each run: Rsp, Rd, A, Tt and A_l. NAME_error is the limit of the error of NAME.
+        A list with a dict for each run: Rsp, Rd, A, Tt and A_l. NAME_error is the limit of the error of NAME. `planes` are the numbers of the
+            boundaries whose shape is ignored; a warning names them.
     """
-    return _of_scene("exact", scene, options, ExactOptions)
+    answers = _of_scene("exact", scene, options, ExactOptions)
+    flattened = sorted({boundary for answer in answers for boundary in answer["planes"]})
+    if flattened:
+        errors.warn("exact: a plane stands for boundary " + ", ".join(map(str, flattened)))
+    return answers
 
 
 @shown

@@ -122,11 +122,12 @@ static void print_detected(FILE *stream, const struct cml_report *report)
     }
 }
 
-/* Prints the boundaries whose shape is ignored; only a boundary with a line in the file has a shape. */
+/* Prints the boundaries whose shape is ignored. */
 static void print_flattened(FILE *stream, const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++)
-        if (scene->boundaries[b].line > 0) fprintf(stream, "  boundary %d counts as a plane\n", b);
+        if (cml_boundary_has_shape(&scene->boundaries[b]))
+            fprintf(stream, "  boundary %d counts as a plane\n", b);
 }
 
 void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)

@@ -124,7 +124,7 @@ static void set_speed(json_t *object, const struct cml_report *report)
 }
 
 /* Sets the totals by adding-doubling, each with the limit of its error, and the boundaries whose shape is
- * ignored; only a boundary with a line in the file has a shape. */
+ * ignored. */
 static void set_exact(json_t *object, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     const int last = scene->backing.kind == CML_BACKING_NONE ? CML_EXACT_TT : CML_EXACT_BACKING;
@@ -137,7 +137,7 @@ static void set_exact(json_t *object, const struct cml_scene *scene, const struc
         json_array_append_new(layer_errors, json_real(exact->error[i]));
     }
     for (int b = 0; b <= scene->num_layers; b++)
-        if (scene->boundaries[b].line > 0) json_array_append_new(planes, json_integer(b));
+        if (cml_boundary_has_shape(&scene->boundaries[b])) json_array_append_new(planes, json_integer(b));
     json_object_set_new(object, "A_l", layers);
     json_object_set_new(object, "A_l_error", layer_errors);
     json_object_set_new(object, "planes", planes);

@@ -98,6 +98,12 @@ struct cml_boundary {
     int *users; /* reference count of boundaries that share shape and file (base/shared.h) */
 };
 
+/* True if the input gives the boundary a shape: only such a boundary has a line. */
+static inline bool cml_boundary_has_shape(const struct cml_boundary *boundary)
+{
+    return boundary->line > 0;
+}
+
 enum cml_body_form { CML_BODY_MESH, CML_BODY_SPHERE, CML_BODY_CYLINDER };
 
 /* An opaque surface that sends light back: the backing under the last boundary, or a face on boundary 0. */

@@ -101,12 +101,12 @@ def _exits_on_signals() -> Iterator[None]:
 
 
 def _refuse_ranks() -> None:
-    """Refuses to fly where a launcher has started several processes, as each would fly the same photons. A script that has loaded mpi4py knows its rank."""
+    """Refuses to fly where a launcher has started several processes, as each would fly the same photons. A script that has loaded mpi4py.MPI knows its rank."""
     for name in () if "mpi4py.MPI" in sys.modules else RANKS:
         count = os.environ.get(name, "")
         if count.isdigit() and int(count) > 1:
             raise errors.InputError(f"clustermcml in Python flies in one process, and a launcher started {count} ({name}={count}): "
-                                    "start the program with mpiexec for one run on all, one Python without it, or import mpi4py.MPI and fly other runs in each")
+                                    "start the program with mpiexec, or one Python without it; or import mpi4py.MPI, and let each process fly a run of its own")
 
 
 def _start(words: Sequence[str]) -> subprocess.Popen[str]:

@@ -140,7 +140,7 @@ int main(int argc, char **argv)
     cml_stop_with_parent();
     cml_status status = check_stack(&err);
     if (status != CML_OK) return complain(status, &err);
-    static struct cml_options options; /* 31 KiB: a frame of main is there before the check */
+    static struct cml_options options; /* 31 KiB, which a small stack would not have before the check */
     const cml_status understood = cml_options_parse(argc, argv, &options, &err);
     if (!is_parallel(&options) && cml_launcher_rank() > 0) return 0;
     if (is_parallel(&options)) status = cml_cluster_begin(&argc, &argv, &err);

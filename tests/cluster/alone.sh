@@ -53,8 +53,8 @@ esac
     expect_error 2 "a launcher started 2 processes (PMI_SIZE=2), but no MPI library was found ($why; expected one on the search path, or CLUSTERMCML_MPI_LIBRARY=FILE); $fly_alone PMI_SIZE clustermcml ..." $scene
     finish
 ) || complain "no MPI library"
-# Commands that do not fly need no MPI. How much memory `check` counts depends on what the system has loaded, so its round
-# number may be another one.
+# Commands that do not fly need no MPI. `check` counts the memory that its process holds, so its rounded
+# number may be another one under mpiexec.
 printed() { sed 's/^\(  memory: at most\) [0-9.]* MiB/\1 N MiB/' "$1"; } # FILE
 for any in "$alone" "$CLUSTERMCML"; do
     for words in --version "help beam" "help adapter" "check $scene" "exact samples/fig5.mci" devices "merge --help" "run --help"; do
